@@ -10,7 +10,7 @@ import time
 import pytest
 
 from bench.basics.errors import BenchError
-from bench.benchmarks.speed import first_words
+from bench.benchmarks.speed.start_up import until_words
 from bench.cli import main
 from bench.cli.progress import progress_to
 
@@ -132,12 +132,12 @@ def test_commands_that_share_their_bar_tell_their_phases_from_the_beginning(name
 
 @pytest.mark.parametrize("name", ["diagnose", "report", "discriminate"])
 def test_their_first_words_stand_on_a_terminal(name, tmp_path, data):
-    assert first_words.measure(arguments(name, tmp_path, data)) > 0.0
+    assert until_words(arguments(name, tmp_path, data)) > 0.0
 
 
 def test_a_command_that_says_nothing_of_its_progress_has_no_first_words(tmp_path):
     with pytest.raises(BenchError, match=r"bench table .*: says nothing of its progress: .*no_such"):
-        first_words.measure(["table", str(tmp_path / "no_such")])
+        until_words(["table", str(tmp_path / "no_such")])
 
 
 def test_nothing_is_shown_when_piped(tmp_path, brief, capfd):

@@ -115,11 +115,11 @@ def test_the_same_seed_gives_the_same_motion(arm):
 
 def test_forecasts_come_true(arm, told):
     trial = monte_carlo(arm, told, 40)
-    assert len(trial.outcomes) == len(told.unknowns)
-    assert 1.0 <= trial.independent <= len(trial.outcomes)
+    assert len(trial.ratios) == len(told.unknowns)
+    assert 1.0 <= trial.independent <= len(trial.ratios)
     assert 0.8 < trial.pooled < 1.2
     low, high = trial.every_by_chance
-    assert all(low < outcome.ratio < high for outcome in trial.outcomes)
+    assert all(low < ratio < high for ratio in trial.ratios.values())
 
 
 def test_logged_again_the_equations_are_those_of_a_new_log(arm):

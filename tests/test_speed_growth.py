@@ -12,8 +12,8 @@ pytestmark = pytest.mark.pictures
 
 
 def test_the_exponent_is_that_of_the_power_law():
-    assert growth.exponent((1, 10, 100), (2.0, 20.0, 200.0)) == pytest.approx(1.0)
-    assert growth.exponent((2, 4, 8), (1.0, 8.0, 64.0)) == pytest.approx(3.0)
+    assert growth.Growth("", "", (1, 10, 100), (2.0, 20.0, 200.0)).exponent == pytest.approx(1.0)
+    assert growth.Growth("", "", (2, 4, 8), (1.0, 8.0, 64.0)).exponent == pytest.approx(3.0)
 
 
 def test_series_are_drawn_and_kept(tmp_path, monkeypatch):

@@ -20,7 +20,6 @@ from bench.studies.sweep.summary import (
     share_interval,
     spread,
     summarise,
-    summarise_in_parts,
     summary_markdown,
 )
 from bench.studies.sweep.sweep_file import load_sweep
@@ -156,7 +155,7 @@ def drawn(tmp_path):
 
 
 def test_a_drawn_axis_is_cut_into_parts_that_hold_every_run(drawn):
-    summary = summarise_in_parts(drawn / "runs.parquet", ["mass"], ["gain_error"])
+    summary = summarise(drawn / "runs.parquet", ["mass"], ["gain_error"], in_parts=True)
     *parts, unknown = summary.lines
     assert unknown.values == (None,)
     assert len(parts) == 12
@@ -167,7 +166,7 @@ def test_a_drawn_axis_is_cut_into_parts_that_hold_every_run(drawn):
         assert part.low < part.middle < part.high
         assert part.low**2 <= line.spreads["gain_error"].middle <= part.high**2
     assert [line.values[0].low for line in parts] == sorted(line.values[0].low for line in parts)
-    few = summarise_in_parts(drawn / "runs.parquet", ["bits"], ["gain_error"])
+    few = summarise(drawn / "runs.parquet", ["bits"], ["gain_error"], in_parts=True)
     assert [line.values for line in few.lines] == [(16,), (20,)]
 
 
@@ -176,7 +175,7 @@ def test_values_of_a_single_run_each_are_put_together(tmp_path, values, runs, li
     x = list(np.linspace(1.0, 2.0, values)) * runs
     table = tmp_path / "runs.parquet"
     pq.write_table(pa.table({"status": ["ok"] * len(x), "condition": x, "gain_error": x}), table)
-    assert len(summarise_in_parts(table, ["condition"], ["gain_error"]).lines) == lines
+    assert len(summarise(table, ["condition"], ["gain_error"], in_parts=True).lines) == lines
 
 
 def test_a_drawn_axis_is_shown_by_its_parts(drawn, capsys):

@@ -8,10 +8,11 @@ import pytest
 
 from bench.benchmarks.trust.cells import TrustCells
 from bench.benchmarks.trust.evaluation import Evaluation, read_evaluation
-from bench.benchmarks.trust.kept_cases import cheapest_right, run_again
+from bench.benchmarks.trust.kept_cases import cheapest_right, is_right, run_again
 from bench.benchmarks.trust.overview import cost_of
 from bench.benchmarks.trust.questions import QUESTIONS
 from bench.benchmarks.trust.run import TrustRequest, run_trust, setups_of
+from bench.benchmarks.trust.words import answer_text
 from bench.benchmarks.trust.work import FROZEN
 from tests.sweep_stand_in import Inline
 from tests.trust_stand_in import SECONDS, TrustStandIn
@@ -54,10 +55,10 @@ def test_right_cases_of_the_frozen_set_are_chosen_for_the_time_that_there_is(eva
 def test_a_case_that_was_right_and_is_wrong_now_is_noticed(evaluation: Evaluation) -> None:
     chosen = cheapest_right(evaluation, 1e6)
     as_before = run_again(chosen, FIRST, Inline(), TrustStandIn)
-    assert [each.name for each in as_before] == [
+    assert list(as_before) == [
         "/".join((row["robot"], row["question"], str(row["number"]))) for row in chosen
     ]
-    assert all(each.right for each in as_before)
+    assert all(map(is_right, as_before.values()))
     now = run_again(chosen, FIRST, Inline(), AlwaysWrong)
-    assert not any(each.right for each in now)
-    assert all(each.answer.startswith("cogging torque") for each in now)
+    assert not any(map(is_right, now.values()))
+    assert all(answer_text(row).startswith("cogging torque") for row in now.values())

@@ -103,18 +103,23 @@ class EstimatorRow:
 
 def changes(robot: str, case: Condition, seed: int) -> dict[str, Any]:
     """Changes to the robot's built-in scenario for a case: two recordings, declared control law."""
-    payload = next(iter(load_scenario(robot).settings.payloads))
-    design = {"optimise": True, "duration": DURATION, "ramp": 0.5}
     step = {} if case.step is None else {"step": case.step}
     return step | {
         "seed": seed,
         "sensors": dict(case.sensors),
         "controller": {"declared": True, **case.controller},
-        "recordings": [
-            {"name": "unloaded", "use": "identify", "design": {"seed": 1, **design}},
-            {"name": "loaded", "use": "identify", "payload": payload, "design": {"seed": 2, **design}},
-        ],
+        "recordings": two_recordings(robot, DURATION),
     }
+
+
+def two_recordings(robot: str, duration: float) -> list[dict[str, Any]]:
+    """Recordings with designed motions of `duration` s, without and with the payload of the robot's scenario."""
+    payload = next(iter(load_scenario(robot).settings.payloads))
+    design = {"optimise": True, "duration": duration, "ramp": 0.5}
+    return [
+        {"name": "unloaded", "use": "identify", "design": {"seed": 1, **design}},
+        {"name": "loaded", "use": "identify", "payload": payload, "design": {"seed": 2, **design}},
+    ]
 
 
 def with_bad_seconds(dataset: Dataset, count: int, seed: int) -> Dataset:

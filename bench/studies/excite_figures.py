@@ -16,7 +16,6 @@ from scipy.stats import chi2
 
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_json_atomically, write_text_atomically
-from bench.basics.progress import SILENT, Progress
 from bench.basics.sentence import in_percent
 from bench.basics.versions import versions
 from bench.dataset.dataset import Dataset
@@ -93,45 +92,27 @@ def with_other_currents(prepared: Prepared, dataset: Dataset) -> Prepared | None
 
 
 @dataclass(frozen=True)
-class ForecastOutcome:
-    """One unknown: its predicted standard error, and the standard deviation of its estimates over all repetitions."""
-
-    name: str
-    expected: float
-    observed: float
-
-    @property
-    def ratio(self) -> float:
-        """Observed over expected; 1 if the prediction is right."""
-        return self.observed / self.expected
-
-
-@dataclass(frozen=True)
 class ForecastTrial:
     """A forecast compared with repeated simulations.
 
-    outcomes: for all unknowns with a predicted standard error; repetitions: number of logs; independent: effective
-    number of independent unknowns, from the correlations of their estimates.
+    ratios: by unknown, the standard deviation of its estimates over all repetitions, over its predicted standard error,
+    1 if the prediction is right; repetitions: number of logs; independent: effective number of independent unknowns,
+    from the correlations of their estimates.
     """
 
-    outcomes: tuple[ForecastOutcome, ...]
+    ratios: Mapping[str, float]
     repetitions: int
     independent: float
 
     @property
     def pooled(self) -> float:
         """The root mean square of all ratios; 1 if the forecast is right overall."""
-        return float(np.sqrt(np.mean([outcome.ratio**2 for outcome in self.outcomes])))
-
-    @property
-    def pooled_by_chance(self) -> tuple[float, float]:
-        """Interval that contains `pooled` over its true value in a share CONFIDENCE of such trials."""
-        return by_chance(self.repetitions, independent=self.independent)
+        return float(np.sqrt(np.mean(np.square(list(self.ratios.values())))))
 
     @property
     def every_by_chance(self) -> tuple[float, float]:
         """Interval that contains every ratio over its true value in at least a share CONFIDENCE of such trials."""
-        return by_chance(self.repetitions, at_once=len(self.outcomes))
+        return by_chance(self.repetitions, at_once=len(self.ratios))
 
 
 def by_chance(repetitions: int, *, independent: float = 1.0, at_once: int = 1) -> tuple[float, float]:
@@ -146,7 +127,7 @@ def by_chance(repetitions: int, *, independent: float = 1.0, at_once: int = 1) -
 
 
 def monte_carlo(
-    plan: ExperimentPlan, expectation: Forecast, repetitions: int, seed: int = 0, progress: Progress = SILENT
+    plan: ExperimentPlan, expectation: Forecast, repetitions: int, seed: int = 0
 ) -> ForecastTrial:
     """Simulate the planned motions once, log them `repetitions` times with different noise, and identify each log.
 
@@ -154,25 +135,19 @@ def monte_carlo(
     """
     if repetitions < 2:
         raise BenchError(f"{repetitions} repetitions have no standard deviation: give at least 2")
-    progress.phase("simulating the motions")
     scenario = planned_scenario(plan, seed)
-    simulation = simulate(scenario, progress=progress)
-    progress.phase("identifying", repetitions)
+    simulation = simulate(scenario)
     estimates, prepared = [], None
     for repetition in range(repetitions):
-        progress.advance()
         again = _seeded(scenario, seed + repetition)
         prepared = _prepared(as_dataset(sense_again(simulation, again)), plan, prepared)
         estimates.append(_estimate(prepared, plan))
-    kept = np.array([expected.std is not None for expected in expectation.unknowns])
-    shown = np.array(estimates)[:, kept]
-    spreads = iter(np.std(shown, axis=0, ddof=1).tolist())
-    outcomes = tuple(
-        ForecastOutcome(expected.name, expected.std, next(spreads))
-        for expected in expectation.unknowns
-        if expected.std is not None
-    )
-    return ForecastTrial(outcomes, repetitions, _independent(shown))
+    stds = {unknown.name: unknown.std for unknown in expectation.unknowns}
+    known = {name: std for name, std in stds.items() if std is not None}
+    shown = np.array(estimates)[:, [name in known for name in stds]]
+    spreads = np.std(shown, axis=0, ddof=1).tolist()
+    ratios = {name: spread / known[name] for name, spread in zip(known, spreads, strict=True)}
+    return ForecastTrial(ratios, repetitions, _independent(shown))
 
 
 def _independent(estimates: np.ndarray) -> float:
@@ -232,23 +207,25 @@ def kept_figures(folder: Path, robots: Sequence[str]) -> list[Figures]:
     return [json.loads(file.read_text(encoding="utf-8")) for file in files if file.is_file()]
 
 
-def write_page(folder: Path, robots: Sequence[str]) -> None:
-    """Write the page of all figures into their folder."""
-    write_text_atomically(folder / PAGE, page(kept_figures(folder, robots)))
-
-
 def page(robots: Sequence[Figures]) -> str:
     """Both tables as Markdown."""
+    better, true = tables(robots)
     parts = (
         "# Planned motions, and whether predictions come true",
         PLANNED,
-        rows_in_markdown(BETTER, map(_better, robots)),
+        better,
         REPEATED,
-        rows_in_markdown(TRUE, [_true(figures) for figures in robots if "pooled" in figures]),
+        true,
         f"In brackets {in_percent(CONFIDENCE, 2)} intervals by chi-square:\n{INTERVALS}",
         "`python -m bench.studies.excite_figures ROBOT --repetitions N -o results/excite` rewrites this page.",
     )
     return "\n\n".join(parts) + "\n"
+
+
+def tables(robots: Sequence[Figures]) -> tuple[str, str]:
+    """The motions and the repetitions as Markdown."""
+    repeated = [_true(figures) for figures in robots if "pooled" in figures]
+    return rows_in_markdown(BETTER, map(_better, robots)), rows_in_markdown(TRUE, repeated)
 
 
 def _better(figures: Figures) -> Sequence[str]:
@@ -257,14 +234,12 @@ def _better(figures: Figures) -> Sequence[str]:
 
 
 def _true(figures: Figures) -> Sequence[str]:
-    intervals = [with_interval(figures, name) for name in ("pooled", "smallest", "largest")]
+    intervals = [
+        f"{figures[name]:.2f} " + "[{:.2f}, {:.2f}]".format(*figures[f"{name}_interval"])
+        for name in ("pooled", "smallest", "largest")
+    ]
     chance = "{:.2f} to {:.2f}".format(*figures["chance"])
     return figures["robot"], str(figures["repetitions"]), str(len(figures["ratios"])), *intervals, chance
-
-
-def with_interval(figures: Figures, name: str) -> str:
-    """A figure with its interval, such as 0.99 [0.97, 1.01]."""
-    return f"{figures[name]:.2f} " + "[{:.2f}, {:.2f}]".format(*figures[f"{name}_interval"])
 
 
 def table_of(robot: str) -> ExperimentTable:
@@ -302,17 +277,17 @@ def figures_of(robot: str, steps: int, seed: int, repetitions: int) -> dict[str,
     }
     if repetitions:
         trial = monte_carlo(plan, forecast(plan), repetitions, seed)
-        ratios = {outcome.name: outcome.ratio for outcome in trial.outcomes}
+        smallest, largest = min(trial.ratios.values()), max(trial.ratios.values())
         figures |= {
             "repetitions": repetitions,
             "pooled": trial.pooled,
-            "pooled_interval": interval(trial.pooled, trial.pooled_by_chance),
-            "smallest": min(ratios.values()),
-            "smallest_interval": interval(min(ratios.values()), trial.every_by_chance),
-            "largest": max(ratios.values()),
-            "largest_interval": interval(max(ratios.values()), trial.every_by_chance),
+            "pooled_interval": interval(trial.pooled, by_chance(repetitions, independent=trial.independent)),
+            "smallest": smallest,
+            "smallest_interval": interval(smallest, trial.every_by_chance),
+            "largest": largest,
+            "largest_interval": interval(largest, trial.every_by_chance),
             "chance": trial.every_by_chance,
-            "ratios": ratios,
+            "ratios": trial.ratios,
         }
     return figures
 
@@ -321,25 +296,6 @@ def interval(value: float, chance: tuple[float, float]) -> tuple[float, float]:
     """Interval of the true value of an observed ratio; chance: the spread of the ratio by chance."""
     low, high = chance
     return value / high, value / low
-
-
-def sentence(figures: dict[str, Any]) -> str:
-    """One robot in one line."""
-    text = (
-        f"{figures['robot']}: worst relative error {figures['worst']:.3%}, {figures['better']:.2f} times better than "
-        f"the median of {SEARCH.random} random motions ({figures['random_median']:.3%}; "
-        f"best {figures['random_best']:.3%})"
-    )
-    if "pooled" in figures:
-        pooled, smallest, largest = (
-            with_interval(figures, name) for name in ("pooled", "smallest", "largest")
-        )
-        text += (
-            f"; spread over {figures['repetitions']} repetitions / forecast: {pooled} on the whole, {smallest} to "
-            f"{largest}; in brackets {in_percent(CONFIDENCE, 2)} intervals, of the extremes for all "
-            f"{len(figures['ratios'])} unknowns at once"
-        )
-    return text
 
 
 @click.command()
@@ -353,8 +309,8 @@ def main(robots: tuple[str, ...], output: Path, steps: int, seed: int, repetitio
     for robot in robots or ROBOTS:
         figures = figures_of(robot, steps, seed, repetitions)
         write_json_atomically(output / f"{robot}.json", figures)
-        click.echo(sentence(figures))
-    write_page(output, ROBOTS)
+        click.echo("\n".join(tables([figures])))
+    write_text_atomically(output / PAGE, page(kept_figures(output, ROBOTS)))
 
 
 if __name__ == "__main__":

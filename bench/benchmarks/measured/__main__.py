@@ -31,15 +31,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m bench.benchmarks.measured", description=(__doc__ or "").split("\n")[0]
     )
-    parser.add_argument(
-        "machines", nargs="*", metavar="MACHINE", help=f"of {', '.join(MACHINES)}; all by default"
-    )
-    parser.add_argument(
-        "-o", "--output", type=Path, default=RESULT, metavar="DIR", help="[default: %(default)s]"
-    )
-    parser.add_argument(
-        "--repeats", action="store_true", help="only compare logs of one machine with each other"
-    )
+    add = parser.add_argument
+    add("machines", nargs="*", metavar="MACHINE", help=f"of {', '.join(MACHINES)}; all by default")
+    add("-o", "--output", type=Path, default=RESULT, metavar="DIR", help="[default: %(default)s]")
+    add("--repeats", action="store_true", help="only compare logs of one machine with each other")
     given = parser.parse_args(arguments)
     try:
         if given.repeats:
@@ -70,8 +65,7 @@ def _repeats(output: Path) -> None:
     data, rows = measured_data(), []
     for name, kind, logs in COMPARED:
         with TemporaryDirectory() as folder:
-            make = MACHINES[name]
-            rows.append(repeats_of(name, make(data / name, Path(folder)), kind, logs))
+            rows.append(repeats_of(name, dataset_of(name, data, Path(folder)), kind, logs))
         _say(f"{name}, {rows[-1].kind}: RMS z {rows[-1].rms:.2f}, within 2 {100 * rows[-1].within:.0f} %")
     _say(f"wrote {keep_repeats(rows, versions().columns(), output)}")
 

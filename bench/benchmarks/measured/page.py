@@ -1,6 +1,6 @@
 """The records as an HTML page."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -47,8 +47,8 @@ from bench.page.section_run import versions_of
 
 ROLES: tuple[Role, ...] = ("before", "after", "noise")
 LINE = 16  # px, of an interval
-KNOWN_KINDS: Mapping[str, Kind] = {"quantity": "", "at": "keep"}
 RUN_KINDS: Mapping[str, Kind] = {"command": "keep", "verdict: missing": "words"}
+VALUE_KINDS: Mapping[str, Kind] = dict.fromkeys(("value ± std", "known", "off by", "goal"), "right")
 
 
 def measured_page(records: Sequence[Record], machines: Mapping[str, MachineTable], again: str) -> Page:
@@ -99,8 +99,7 @@ def _sentences_section(records: Sequence[Record], machines: Mapping[str, Machine
 def _known_section(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> Section:
     """Known and estimated values of all machines."""
     of_machines = {short_name(machines[record.name]): list(known_rows(record)) for record in records}
-    columns = tuple(PageColumn(head, KNOWN_KINDS.get(head, "right")) for head in KNOWN_HEADS)
-    table = PageTable("", "", columns, _grouped(of_machines))
+    table = _table("", KNOWN_HEADS, _grouped(of_machines), quantity="", at="keep")
     return Section("known", KNOWN_TITLE, EXPLANATION, (table,), "Known and estimated")
 
 
@@ -111,9 +110,16 @@ def _commands_section(records: Sequence[Record], machines: Mapping[str, MachineT
         machine = machines[record.name]
         rows = zip(record.runs, run_rows(record, machine), strict=True)
         of_machines[short_name(machine)] = [(MeasuredCell(_what(run)), *cells) for run, (_, *cells) in rows]
-    columns = tuple(PageColumn(head, RUN_KINDS.get(head, "right")) for head in RUN_HEADS)
-    return Section(
-        "commands", RUNS_TITLE, ERRORS, (PageTable("", "", columns, _grouped(of_machines)),), "Errors"
+    table = _table("", RUN_HEADS, _grouped(of_machines), **RUN_KINDS)
+    return Section("commands", RUNS_TITLE, ERRORS, (table,), "Errors")
+
+
+def _table(
+    title: str, heads: Sequence[str], rows: Iterable[PageRow], default: Kind = "right", **kinds: Kind
+) -> PageTable:
+    """A table whose columns are of the `default` kind, others than these aside."""
+    return PageTable(
+        title, "", tuple(PageColumn(head, kinds.get(head, default)) for head in heads), tuple(rows)
     )
 
 
@@ -140,16 +146,9 @@ def _machine_section(record: Record, machine: MachineTable) -> Section:
         if run.failed:
             parts.append(Items(title, "", (run.failed,)))
             continue
-        columns = tuple(
-            PageColumn(head, "right" if head in ("value ± std", "known", "off by", "goal") else "keep")
-            for head in VALUE_HEADS
-        )
-        parts.append(PageTable(title, "", columns, tuple(map(_row, value_rows(run)))))
+        parts.append(_table(title, VALUE_HEADS, map(_row, value_rows(run)), "keep", **VALUE_KINDS))
         if run.omitted:
-            omitted = tuple(map(_row, omitted_rows(run)))
-            parts.append(
-                PageTable("With each log omitted", "", tuple(map(PageColumn, OMITTED_HEADS)), omitted)
-            )
+            parts.append(_table("With each log omitted", OMITTED_HEADS, map(_row, omitted_rows(run)), ""))
         if run.said:
             parts.append(Items("What it says", "", tuple(map(typeset, run.said)), folded=not run.diagnosis))
     parts.append(Items("What is known, and from where", "", tuple(map(typeset, sources(machine)))))

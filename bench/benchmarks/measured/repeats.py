@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from bench.basics.files.atomic import write_json_atomically
+from bench.basics.files.atomic import write_json_atomically, write_text_atomically
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.effects import CATALOGUE
 from bench.identification.chosen_band import prepare_checked, usual_friction
@@ -48,10 +48,9 @@ class Repeats:
 def repeats_of(machine: str, folder: Path, kind: Kind, logs: Sequence[str] = ()) -> Repeats:
     """Identify each log of a dataset, or each half of its fitted logs, and compare them. logs: only these, by name."""
     dataset = load_dataset(folder)
-    if logs:
-        kept = [log for log in dataset.recordings if log.name in logs]
-        dataset = replace(dataset, recordings=tuple(kept))
-    parts = _each(dataset) if kind == "logs" else _halves(dataset)
+    kept = [log for log in dataset.recordings if not logs or log.name in logs]
+    dataset = replace(dataset, recordings=tuple(kept))
+    parts = _parts(dataset, kind)
     answers = [identify(prepare_checked(problem_of(part, FRICTION))) for part in parts]
     pairs = [pair for both in combinations(answers, 2) for pair in in_both(*both).values()]
     z = np.array([(a.value - b.value) / hypot(a.std, b.std) for a, b in pairs])
@@ -67,18 +66,17 @@ def repeats_of(machine: str, folder: Path, kind: Kind, logs: Sequence[str] = ())
     )
 
 
-def _each(dataset: Dataset) -> Iterator[Dataset]:
-    for log in dataset.recordings:
-        yield replace(dataset, recordings=(replace(log, use="identify"),))
-
-
-def _halves(dataset: Dataset) -> Iterator[Dataset]:
+def _parts(dataset: Dataset, kind: Kind) -> Iterator[Dataset]:
+    """Each log, or the first and the second half of all fitted ones, as a dataset that is fitted."""
+    if kind == "logs":
+        for log in dataset.recordings:
+            yield replace(dataset, recordings=(replace(log, use="identify"),))
+        return
     fitted = [log for log in dataset.recordings if log.use == "identify"]
-    for half in range(2):
-        parts = [
-            log.part(slice(half * len(log.time) // 2, (half + 1) * len(log.time) // 2)) for log in fitted
-        ]
-        yield replace(dataset, recordings=tuple(parts))
+    for half in (0, 1):
+        ends = ((half * len(log.time) // 2, (half + 1) * len(log.time) // 2) for log in fitted)
+        halves = (log.part(slice(*end)) for log, end in zip(fitted, ends, strict=True))
+        yield replace(dataset, recordings=tuple(halves))
 
 
 COMPARED: Sequence[tuple[str, Kind, Sequence[str]]] = (
@@ -96,35 +94,29 @@ COMPARED: Sequence[tuple[str, Kind, Sequence[str]]] = (
 
 def repeats_markdown(rows: Sequence[Repeats], program: Mapping[str, str]) -> str:
     """The table in Markdown, with an explanation."""
-    said = [
-        "# Repeats",
-        "",
-        (
-            "Each log of a machine, or each half of all its fitted logs, is identified by itself with `bench identify "
-            f"{' '.join(f'--with {name}' for name in FRICTION)}`. For two values of the same unknown "
-            "with the stated standard errors, z = (a - b) / sqrt(s_a^2 + s_b^2). Goals: RMS z of at most "
-            f"{GOAL_RMS:g}, and at least {100 * GOAL_WITHIN:g} % within 2."
-        ),
-        "",
-        f"Program: commit {program.get('commit', 'unknown')}.",
-        "",
+    friction = " ".join(f"--with {name}" for name in FRICTION)
+    explanation = (
+        f"Each log of a machine, or each half of all its fitted logs, is identified by itself with `bench identify "
+        f"{friction}`. For two values of the same unknown with the stated standard errors, z = (a - b) / sqrt(s_a^2 + "
+        f"s_b^2). Goals: RMS z of at most {GOAL_RMS:g}, and at least {100 * GOAL_WITHIN:g} % within 2."
+    )
+    lines = [
         "| machine | compared | values | RMS z | within 2 | largest | goals |",
         "| --- | --- | ---: | ---: | ---: | ---: | --- |",
     ]
-    said += [
+    lines += [
         f"| {row.machine} | {row.answers} {row.kind} | {row.values} | {row.rms:.2f} | {100 * row.within:.0f} % | "
         f"{row.largest:.1f} | {'yes' if row.reached else 'no'} |"
         for row in rows
     ]
-    return "\n".join(said) + "\n"
+    commit = f"Program: commit {program.get('commit', 'unknown')}."
+    return "\n\n".join(["# Repeats", explanation, commit, "\n".join(lines)]) + "\n"
 
 
 def keep_repeats(rows: Sequence[Repeats], program: Mapping[str, str], folder: Path) -> Path:
     """Write the table and its values into the subfolder repeats; return the path of the table."""
-    (folder / "repeats").mkdir(parents=True, exist_ok=True)
-    write_json_atomically(
-        folder / "repeats" / "repeats.json", {"program": dict(program), "rows": [asdict(row) for row in rows]}
-    )
+    content = {"program": dict(program), "rows": [asdict(row) for row in rows]}
+    write_json_atomically(folder / "repeats" / "repeats.json", content)
     page = folder / "repeats" / "repeats.md"
-    page.write_text(repeats_markdown(rows, program), encoding="utf-8")
+    write_text_atomically(page, repeats_markdown(rows, program))
     return page

@@ -85,11 +85,9 @@ def _off(against: AgainstKnown) -> str:
 def _of_both(answers: Sequence[bool | None]) -> MeasuredCell:
     """YES if all commands with an answer are right, NO if none is, otherwise how many are."""
     known = [entry for entry in answers if entry is not None]
-    if not known:
-        return MeasuredCell(NONE)
-    return MeasuredCell(
-        YES if all(known) else NO if not any(known) else f"{sum(known)} of {len(known)}", all(known)
-    )
+    if len(set(known)) < 2:
+        return answer(known[0] if known else None)
+    return MeasuredCell(plural(known), False)
 
 
 def omitted_rows(run: MachineRun) -> Iterator[Cells]:
@@ -181,7 +179,11 @@ def _known(against: AgainstKnown) -> str:
 def quantity_name(known: AgainstKnown) -> str:
     """The display name of a compared quantity."""
     effect, _, parameter = known.quantity.partition(" ")
-    return _WORDS.get(known.quantity, f"{spoken(effect)} {parameter}")
+    return _called(effect, parameter)
+
+
+def _called(quantity: str, parameter: str) -> str:
+    return _WORDS.get(quantity, f"{spoken(quantity)} {parameter}")
 
 
 def estimate(known: AgainstKnown) -> str:
@@ -202,11 +204,10 @@ def answer(right: bool | None) -> MeasuredCell:
 
 def sources(machine: MachineTable) -> list[str]:
     """The sources of the known values, each with its quantity and places."""
-    said = []
-    for known in machine.known:
-        about = _WORDS.get(known.of, f"{spoken(known.of)} {known.parameter}")
-        said.append(f"{about} of {', '.join(known.values)}: {known.source}.")
-    return said
+    return [
+        f"{_called(known.of, known.parameter)} of {', '.join(known.values)}: {known.source}."
+        for known in machine.known
+    ]
 
 
 def measured_markdown(records: Sequence[Record], machines: Mapping[str, MachineTable]) -> str:

@@ -6,6 +6,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -102,15 +103,13 @@ def five_bar_scores(*, friction: bool) -> list[Score]:
     def others(step: float) -> Solver:
         return lambda problem: mujoco_sysid.solve(problem, step)
 
-    ours: list[tuple[Solver, int]] = [
-        (lambda problem: solve_all_unknown(problem)[0], MANY),
-        (solve_two_masses, MANY),
-        (solve_output_error, MANY),
+    known = ((), ("coulomb_friction",)) if friction else ((),)
+    ours: list[Solver] = [lambda problem: solve_all_unknown(problem)[0]]
+    ours += [
+        partial(solve, effects=names) for names in known for solve in (solve_two_masses, solve_output_error)
     ]
-    if friction:
-        ours.append((lambda problem: solve_two_masses(problem, ("coulomb_friction",)), MANY))
-        ours.append((lambda problem: solve_output_error(problem, ("coulomb_friction",)), MANY))
-    solvers = [*ours, (others(1e-3), FEW), (others(2.5e-4), ONE if friction else FEW)]
+    slow = [(others(1e-3), FEW), (others(2.5e-4), ONE if friction else FEW)]
+    solvers = [*((solve, MANY) for solve in ours), *slow]
     return [score("five_bar", friction=friction, solve=solve, seeds=seeds) for solve, seeds in solvers]
 
 

@@ -13,13 +13,9 @@ from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.result import Identification
 from bench.model.model import IdentificationModel, build_model
-from bench.model.regressor import moved_parameters, projected_regressor
-from bench.model.states import random_motion
 from bench.studies.sweep.accuracy import true_base_parameters
 from bench.truth.dataset import as_dataset
 from bench.truth.report import truth
-
-STATES, SEED = 80, 7
 
 
 @dataclass(frozen=True)
@@ -101,26 +97,12 @@ def solve_two_masses(problem: PeerProblem, effects: tuple[str, ...] = ()) -> Ans
 
 
 def _base_of_masses(problem: PeerProblem, model: IdentificationModel) -> tuple[np.ndarray, np.ndarray]:
-    """Base parameters (nb,) without the two masses, and those per kg of each (nb, 2)."""
+    """Base parameters (nb,) without the two masses, and those per kg at the centre of mass of each (nb, 2)."""
     full = true_base_parameters(model, truth(problem.simulation))
-    per_mass = np.column_stack(
-        [_base_of_mass(problem, model, name) for name in UNKNOWN_BODIES[problem.robot]]
-    )
+    bodies = problem.simulation.machine.models[None]
+    points = [
+        {name: {"mass": 1.0, "center_of_mass": bodies.body(name).ipos, "inertia": [0.0] * 6}}
+        for name in UNKNOWN_BODIES[problem.robot]
+    ]
+    per_mass = np.column_stack([true_base_parameters(model, {"bodies": p, "joints": {}}) for p in points])
     return full - per_mass @ problem.masses, per_mass
-
-
-def _base_of_mass(problem: PeerProblem, model: IdentificationModel, body: str) -> np.ndarray:
-    """Base parameters (nb,) of 1 kg at the centre of mass of a body."""
-    geometry = model.geometry
-    joint, frame = geometry.body_frames[body]
-    point = np.zeros(10)
-    point[0] = 1.0
-    center = problem.simulation.machine.models[None].body(body).ipos
-    standard = np.zeros(10 * len(geometry.joints))
-    at_center = moved_parameters(point, np.eye(3), center)
-    standard[10 * joint : 10 * joint + 10] = moved_parameters(at_center, frame.rotation, frame.translation)
-    motion = random_motion(geometry, STATES, SEED)
-    torque = (projected_regressor(geometry, motion) @ standard).reshape(-1)
-    rows = projected_regressor(geometry, motion, model.base.columns).reshape(len(torque), -1)
-    scale = np.linalg.norm(rows, axis=0)
-    return np.asarray(np.linalg.lstsq(rows / scale, torque)[0] / scale)

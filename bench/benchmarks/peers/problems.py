@@ -9,6 +9,7 @@ import numpy as np
 
 from bench.excitation.scenario import designer
 from bench.scenario.scenario import load_scenario, resolve_trajectories
+from bench.studies.estimators import two_recordings
 from bench.truth.machine import true_gains
 from bench.truth.resense import sense_again
 from bench.truth.simulate import Simulation, simulate
@@ -66,13 +67,5 @@ def _simulated(robot: str, *, friction: bool) -> Simulation:
 
 
 def _changes(robot: str, seed: int, hidden: Sequence[Any]) -> dict[str, Any]:
-    payload = {"five_bar": "disc", "two_link": "ball"}[robot]
-    design = {"optimise": True, "duration": DURATION, "ramp": 0.5}
-    return {
-        "seed": seed,
-        "hidden": [entry if isinstance(entry, dict) else entry.model_dump() for entry in hidden],
-        "recordings": [
-            {"name": "unloaded", "use": "identify", "design": {"seed": 1, **design}},
-            {"name": "loaded", "use": "identify", "payload": payload, "design": {"seed": 2, **design}},
-        ],
-    }
+    entries = [entry if isinstance(entry, dict) else entry.model_dump() for entry in hidden]
+    return {"seed": seed, "hidden": entries, "recordings": two_recordings(robot, DURATION)}

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import click
 import numpy as np
 import pinocchio as pin
 
@@ -97,39 +98,27 @@ def _compiled(model: IdentifiedModel, folder: Path) -> Callable[..., int]:
     loop = CLOSED_LOOP if model.model.geometry.closed else OPEN_LOOP
     loop = loop.replace("NAME", c_name(model.robot.name)).replace("SAMPLES", str(SAMPLES))
     (folder / "code.c").write_text(c_text(model)[0] + loop, encoding="utf-8")
-    library = folder / "code.so"
-    command = [
-        compiler,
-        "-std=c99",
-        "-O2",
-        "-shared",
-        "-fPIC",
-        "-o",
-        str(library),
-        str(folder / "code.c"),
-        "-lm",
-    ]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    library = str(folder / "code.so")
+    options = ["-std=c99", "-O2", "-shared", "-fPIC", "-o", library, str(folder / "code.c"), "-lm"]
+    done = subprocess.run([compiler, *options], capture_output=True, text=True, check=False)
     if done.returncode:
         raise BenchError(f"cc: {done.stderr.strip().splitlines()[0]}")
-    many: Callable[..., int] = ctypes.CDLL(str(library)).many
+    many: Callable[..., int] = ctypes.CDLL(library).many
     return many
 
 
-def main() -> int:
-    """Print the times in microseconds. Returns 0, or 2 after an error."""
-    if len(sys.argv) != 2:
-        sys.stderr.write("python -m bench.benchmarks.speed.feedforward MODEL.json\n")
-        return 2
+@click.command()
+@click.argument("model", metavar="MODEL.json")
+def main(model: str) -> None:
+    """Print the times in microseconds; exit code 2 after an error."""
     try:
-        timings = seconds_per_call(load_identified(sys.argv[1]))
+        timings = seconds_per_call(load_identified(model))
     except BenchError as error:
-        sys.stderr.write(f"{error}\n")
-        return 2
+        click.echo(error, err=True)
+        sys.exit(2)
     for name, seconds in timings.items():
-        sys.stdout.write(f"{name}: {1e6 * seconds:.2f} µs a call\n")
-    return 0
+        click.echo(f"{name}: {1e6 * seconds:.2f} µs a call")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rich import box
 from rich.table import Table
 
 from bench.basics.errors import BenchError
 from bench.basics.versions import versions
+from bench.studies.sweep.summary import plain_table
 
 HISTORY = Path("results/speed/history.jsonl")
 NOTABLE = 0.15  # relative change from which a figure is coloured; smaller ones are noise
@@ -64,12 +64,7 @@ def append_history(figures: Sequence[SpeedFigure], path: Path = HISTORY) -> None
 
 def figures_table(figures: Sequence[SpeedFigure], last: Mapping[str, float]) -> Table:
     """A table of all figures with their last values and limits."""
-    table = Table(
-        box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim", show_edge=False
-    )
-    table.add_column("", overflow="fold")
-    for header in ("last", "now", "change", "limit"):
-        table.add_column(header, justify="right", no_wrap=True)
+    table = plain_table([""], ["last", "now", "change", "limit"], no_wrap=True)
     for figure in figures:
         before = last.get(figure.name)
         change = None if not before else figure.value / before - 1.0

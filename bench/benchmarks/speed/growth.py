@@ -3,7 +3,6 @@
 Processor time in one run, the exponent of a power law for each series; a figure and the numbers are in results/speed.
 """
 
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -16,12 +15,13 @@ from matplotlib.figure import Figure as Drawing
 from matplotlib.ticker import LogLocator
 
 from bench.basics.figure_style import STYLE
-from bench.basics.files.atomic import atomic_path
+from bench.basics.files.atomic import write_json_atomically
 from bench.basics.versions import versions
+from bench.benchmarks.speed.figures import SpeedFigure
 from bench.benchmarks.speed.long_log import write_long_dataset
 from bench.dataset.dataset import Dataset, load_dataset
-from bench.diagnosis.result import Diagnosis
 from bench.diagnosis.with_catalogue import diagnose_with_catalogue
+from bench.document.figures.write import write_figure
 from bench.effects import CATALOGUE
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
@@ -59,16 +59,11 @@ class Growth:
 
     @property
     def exponent(self) -> float:
-        """The exponent of the power law of time over size."""
-        return exponent(self.sizes, self.seconds)
+        """The exponent of the power law of time over size, fitted to logarithms."""
+        return float(np.polyfit(np.log(self.sizes), np.log(self.seconds), 1)[0])
 
 
-def exponent(sizes: Sequence[int], seconds: Sequence[float]) -> float:
-    """The exponent of a power law, fitted to logarithms."""
-    return float(np.polyfit(np.log(sizes), np.log(seconds), 1)[0])
-
-
-def measure(commands: Sequence[str] = tuple(WORKS)) -> Iterator[Growth]:
+def measure() -> Iterator[Growth]:
     """Measure all series, in order."""
     with TemporaryDirectory() as name:
         folder = Path(name)
@@ -79,30 +74,20 @@ def measure(commands: Sequence[str] = tuple(WORKS)) -> Iterator[Growth]:
                 write_long_dataset(place, samples / RATE / 2, robot)
             return load_dataset(place)
 
-        for command in commands:
-            work = WORKS[command]
+        for command, work in WORKS.items():
             work(dataset(ROBOT, SAMPLES[0]))  # warm-up: caches of the robot and the program
-            yield _series(command, "samples", SAMPLES, lambda size: dataset(ROBOT, size), work)
-            yield _series(command, "motors", tuple(ROBOTS), lambda n: dataset(ROBOTS[n], SAME), work)
-        if "diagnose" in commands:
-            seconds = tuple(_seconds(dataset(ROBOT, SAME), _diagnose_among(size)) for size in EFFECTS)
-            yield Growth("diagnose", "effects in the catalogue", EFFECTS, seconds)
+            seconds = tuple(_seconds(dataset(ROBOT, size), work) for size in SAMPLES)
+            yield Growth(command, "samples", SAMPLES, seconds)
+            seconds = tuple(_seconds(dataset(robot, SAME), work) for robot in ROBOTS.values())
+            yield Growth(command, "motors", tuple(ROBOTS), seconds)
+        seconds = tuple(_seconds(dataset(ROBOT, SAME), _diagnose_among(size)) for size in EFFECTS)
+        yield Growth("diagnose", "effects in the catalogue", EFFECTS, seconds)
 
 
 def _diagnose_among(size: int) -> Work:
     """A diagnosis with the first `size` effects of the catalogue."""
     part = dict(list(CATALOGUE.items())[:size])
-
-    def work(dataset: Dataset) -> Diagnosis:
-        return diagnose_with_catalogue(Problem(dataset, part, filters=FILTERS))
-
-    return work
-
-
-def _series(
-    command: str, of: str, sizes: tuple[int, ...], dataset: Callable[[int], Dataset], work: Work
-) -> Growth:
-    return Growth(command, of, sizes, tuple(_seconds(dataset(size), work) for size in sizes))
+    return lambda dataset: diagnose_with_catalogue(Problem(dataset, part, filters=FILTERS))
 
 
 def _seconds(dataset: Dataset, work: Work) -> float:
@@ -139,10 +124,19 @@ def growth_figure(series: Sequence[Growth]) -> Drawing:
     return drawing
 
 
+def growth_figures() -> list[SpeedFigure]:
+    """Exponents of the cost; also writes its figure and numbers."""
+    series = list(measure())
+    keep(series)
+    limits = {"samples": LINEAR}
+    return [
+        SpeedFigure(f"{grown.command} against {grown.of}, exponent", grown.exponent, "", limits.get(grown.of))
+        for grown in series
+    ]
+
+
 def keep(series: Sequence[Growth]) -> None:
     """Write the numbers and the figure."""
     rows = [{**asdict(growth), "exponent": growth.exponent, **versions().columns()} for growth in series]
-    with atomic_path(RESULT) as path:
-        path.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
-    with atomic_path(PICTURE) as path:
-        growth_figure(series).savefig(path, dpi=120)
+    write_json_atomically(RESULT, rows)
+    write_figure(PICTURE, growth_figure(series), dpi=120)

@@ -17,6 +17,8 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.benchmarks.measured.machines import dataset_of
+from bench.benchmarks.measured_data import measured_data
+from bench.benchmarks.speed.figures import SpeedFigure
 from bench.benchmarks.speed.memory import peak_bytes
 from bench.dataset.dataset import RecordingEntry, load_dataset, write_dataset_toml
 from bench.dataset.recording import write_recording
@@ -25,8 +27,7 @@ from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.swapped_columns import swapped_columns
 from bench.residuals.motor import compared
-from bench.scenario.file import find_scenario, read_with_bases
-from bench.scenario.scenario import Scenario, payload_declared, scenario_from_dict
+from bench.scenario.scenario import Scenario, load_scenario, payload_declared
 from bench.truth.sensors import sense
 from bench.truth.simulate import simulate
 
@@ -80,36 +81,37 @@ def _closed(position: np.ndarray) -> np.ndarray:
 
 def _scenario(robot: str) -> tuple[Scenario, str]:
     """A scenario with `PARTS` movements of the robot without, and as many with its payload; the payload's name."""
-    content = dict(read_with_bases(find_scenario(robot)))
-    payload = next(iter(content["payloads"]))
-    content["recordings"] = [
-        {
-            "name": f"{'loaded' if loaded else 'free'}_{k}",
-            "use": "identify",
-            "design": {"seed": 2 * k + loaded},
-        }
-        | ({"payload": payload} if loaded else {})
+    payload = next(iter(load_scenario(robot).settings.payloads))
+    recordings = [
+        {"name": f"{name}_{k}", "use": "identify", "design": {"seed": 2 * k + i}, **carried}
         for k in range(PARTS)
-        for loaded in (0, 1)
+        for i, (name, carried) in enumerate((("free", {}), ("loaded", {"payload": payload})))
     ]
-    content["design"] = {**content["design"], "optimise": False, "duration": PART}
-    content["hidden"] = [{"effect": "coulomb_friction", "Fc": FRICTION[robot]}]
-    return scenario_from_dict(content, robot), payload
+    hidden = [{"effect": "coulomb_friction", "Fc": FRICTION[robot]}]
+    design = {"optimise": False, "duration": PART}
+    return load_scenario(robot, {"recordings": recordings, "hidden": hidden, "design": design}), payload
 
 
-def measure() -> tuple[float, float]:
-    """Processor seconds and peak memory [GB] of a process that identifies from two logs of 20 minutes.
-
-    Raises BenchError if the process fails.
+def long_log_figures() -> list[SpeedFigure]:
+    """Processor time and peak memory of a process that identifies from two logs of 20 minutes and, if its data are
+    available, time for a measured arm of six axes, 9 s at 5 kHz. Raises BenchError if the process fails.
     """
-    with TemporaryDirectory() as name:
-        folder = write_long_dataset(Path(name) / "dataset", DURATION)
-        program = [sys.executable, "-m", "bench.benchmarks.speed.long_log", str(folder)]
+    with TemporaryDirectory() as folder:
+        data = write_long_dataset(Path(folder) / "dataset", DURATION)
+        program = [sys.executable, "-m", "bench.benchmarks.speed.long_log", str(data)]
         done = subprocess.run(program, capture_output=True, text=True, check=False)
         if done.returncode:
             raise BenchError(f"the long logs cannot be identified: {done.stderr}")
-        measured = json.loads(done.stdout)
-        return measured["seconds"], measured["gigabytes"]
+        cost = json.loads(done.stdout)
+        name = "identify a five-bar, two logs of 20 minutes at 1 kHz"
+        figures = [
+            SpeedFigure(name, cost["seconds"], "s", SECONDS_LIMIT),
+            SpeedFigure(f"{name}, memory", cost["gigabytes"], "GB", MEMORY_LIMIT),
+        ]
+        if (measured_data() / ARM).is_dir():
+            seconds = identification_seconds(dataset_of(ARM, measured_data(), Path(folder)))
+            figures.append(SpeedFigure("identify six axes, 45,000 samples at 5 kHz", seconds, "s", ARM_LIMIT))
+    return figures
 
 
 def identification_seconds(folder: Path) -> float:
@@ -122,12 +124,6 @@ def identification_seconds(folder: Path) -> float:
     swapped_columns(problem, result, prepared)
     compared(dataset.robot, dataset.recordings, result.recordings, result.settings)
     return process_time() - start
-
-
-def measured_arm_seconds(measured: Path) -> float:
-    """`identification_seconds` of a measured arm of six axes, 9 s at 5 kHz. measured: folder of the measured data."""
-    with TemporaryDirectory() as name:
-        return identification_seconds(dataset_of(ARM, measured, Path(name)))
 
 
 def main() -> None:

@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
+from bench.benchmarks.speed.figures import SpeedFigure
 from bench.excitation.scenario import designer
 from bench.identification.identify import identify
 from bench.identification.prepare import prepare
@@ -23,6 +24,22 @@ from bench.truth.simulate import Simulation, simulate
 SIMULATION_LIMIT = 2.0  # times mujoco.rollout
 HEXAPOD, HEXAPOD_LIMIT = "stewart", 15.0  # s
 IDENTIFICATION_LIMITS = {"five_bar": 1.0, "delta": 4.0}  # s
+
+
+def main_job_figures() -> list[SpeedFigure]:
+    """Time of a simulation over that of rollout, of an identification, and of a hexapod's design and simulation."""
+    start = perf_counter()
+    scenario = load_scenario(HEXAPOD)
+    simulate(scenario, resolve_trajectories(scenario, designer))
+    seconds = perf_counter() - start
+    figures = [SpeedFigure("simulate a hexapod, design included", seconds, "s", HEXAPOD_LIMIT)]
+    for robot, limit in IDENTIFICATION_LIMITS.items():
+        ratio, seconds = measure(robot)
+        figures += [
+            SpeedFigure(f"simulation over mujoco.rollout, {robot}", ratio, "×", SIMULATION_LIMIT),
+            SpeedFigure(f"identify two recordings of 20 s, {robot}", seconds, "s", limit),
+        ]
+    return figures
 
 
 def measure(name: str, repeats: int = 5) -> tuple[float, float]:
@@ -41,14 +58,6 @@ def measure(name: str, repeats: int = 5) -> tuple[float, float]:
         identify(prepare(problem_of(replace(dataset, recordings=fitted))))
         times[repeat, 2] = perf_counter() - start
     return float(np.median(times[:, 0] / times[:, 1])), float(np.median(times[:, 2]))
-
-
-def hexapod_seconds() -> float:
-    """Seconds to design the trajectories of a hexapod and simulate it."""
-    start = perf_counter()
-    scenario = load_scenario(HEXAPOD)
-    simulate(scenario, resolve_trajectories(scenario, designer))
-    return perf_counter() - start
 
 
 def plain_rollout(simulation: Simulation, copies: int = 1, threads: int = 1) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from bench.basics.errors import BenchError
+from bench.benchmarks.speed.figures import SpeedFigure
 from bench.dataset.robot import load_robot
 from bench.model.base import base_parameters
 from bench.model.follow import build_tree
@@ -25,9 +26,18 @@ ENCODER = 2.0 * np.pi / 2**20  # rad
 HARMONICS, BASE_FREQUENCY = 5, 0.2  # Hz
 SETTINGS = FilterSettings(position_cutoff=30.0, decimation=10, border=(200, 200))
 SEED = 20120603
+REPEATS = 9
 
 
-def times_pinocchio(robot: str, repeats: int = 9) -> float:
+def regressor_figures() -> list[SpeedFigure]:
+    """Time of the projected regressor over that of Pinocchio's regressor."""
+    name = "regressor over Pinocchio's"
+    return [
+        SpeedFigure(f"{name}, {robot}", times_pinocchio(robot), "×", limit) for robot, limit in LIMITS.items()
+    ]
+
+
+def times_pinocchio(robot: str) -> float:
     """Time of the regressor over that of Pinocchio's loop; median, for 20 s at 1 kHz with a 20-bit encoder."""
     geometry = read_geometry(load_robot(robot))
     columns = base_parameters(geometry).columns
@@ -35,7 +45,7 @@ def times_pinocchio(robot: str, repeats: int = 9) -> float:
     tree = build_tree(geometry)
     data, regressor = tree.createData(), pin.computeJointTorqueRegressor
     ratios = []
-    for _ in range(repeats):
+    for _ in range(REPEATS):
         start = perf_counter()
         motion = motion_of(geometry, *track)
         projected_regressor(geometry, motion, columns)

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
@@ -128,18 +128,18 @@ class _Process:
         return float(said or 0.0)
 
 
-def measure_dask(workers: int = DASK_WORKERS, runs: int = RUNS) -> Scheduling:
+def measure_dask() -> Scheduling:
     """Measure Dask's pool, with its scheduler in one process and its workers in another."""
     scheduler = _Process()
     try:
-        hands = _Process(scheduler.address, str(workers))
+        hands = _Process(scheduler.address, str(DASK_WORKERS))
         try:
-            measured = measure("dask", workers, lambda: DaskPool(scheduler.address), runs)
+            measured = measure("dask", DASK_WORKERS, lambda: DaskPool(scheduler.address))
         finally:
             hands.end()
     finally:
         seconds = scheduler.end()
-    return replace(measured, scheduler=1e3 * seconds / _sent(runs))
+    return replace(measured, scheduler=1e3 * seconds / _sent(RUNS))
 
 
 def measure_all() -> list[Scheduling]:
@@ -150,13 +150,8 @@ def measure_all() -> list[Scheduling]:
 def scheduling_figures() -> list[SpeedFigure]:
     """Cost and memory of both pools; also writes their numbers."""
     measured = measure_all()
-    keep(measured)
-    return [figure for scheduling in measured for figure in figures_of(scheduling)]
-
-
-def keep(measured: Sequence[Scheduling]) -> None:
-    """Write the numbers."""
     write_json_atomically(RESULT, [{**asdict(scheduling), **versions().columns()} for scheduling in measured])
+    return [figure for scheduling in measured for figure in figures_of(scheduling)]
 
 
 def figures_of(scheduling: Scheduling) -> list[SpeedFigure]:

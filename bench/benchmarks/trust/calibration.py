@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import erf, sqrt
+from operator import itemgetter
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from bench.document.charts.chart import Axis, Chart, Line, Panel, Whiskers
 from bench.document.figures.write import CHART_DPI, chart_figure, write_figures
 from bench.studies.sweep.journal import OK, Row, names_in
 from bench.studies.trial.compatible import expected, optional
-from bench.studies.trial.target import Share, Target, TargetFigure
+from bench.studies.trial.target import Share, Target, TargetFigure, ends_of, share_of
 
 BOUNDS = (0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
 
@@ -39,9 +40,7 @@ def reliability(rows: Sequence[Row]) -> list[Reliability]:
         inside = [(p, there) for p, there in pairs if above <= p < below or (last and p >= below)]
         if inside:
             mean = sum(p for p, _ in inside) / len(inside)
-            classes.append(
-                Reliability(above, below, mean, Share(sum(there for _, there in inside), len(inside)))
-            )
+            classes.append(Reliability(above, below, mean, share_of(inside, itemgetter(1))))
     return classes
 
 
@@ -88,9 +87,8 @@ SIZE = (5.6, 3.8)  # inches
 
 def reliability_chart(classes: Sequence[Reliability]) -> Chart:
     """Share of effects that are present against the stated probability."""
-    low, high = np.array([one_class.there.interval for one_class in classes]).T
     stated = np.array([one_class.stated for one_class in classes])
-    shares = np.array([one_class.there.value for one_class in classes])
+    ends = ends_of(one_class.there for one_class in classes)
     return Chart(
         "Stated probabilities against frequencies",
         Axis("stated probability", "%", domain=(-0.03, 1.03)),
@@ -99,7 +97,7 @@ def reliability_chart(classes: Sequence[Reliability]) -> Chart:
                 Axis("effect is there", "%", domain=(-0.03, 1.03)),
                 (
                     Line("as it should be", "noise", np.array([0.0, 1.0]), np.array([0.0, 1.0])),
-                    Whiskers("share, with its 95 % interval", "after", stated, shares, low, high),
+                    Whiskers("share, with its 95 % interval", "after", stated, *ends),
                 ),
             ),
         ),

@@ -35,10 +35,6 @@ class TrustCell:
     frozen: bool
     numbers: tuple[int, ...]
 
-    def row(self, position: int) -> int:
-        """Row number of the case at a position."""
-        return STRIDE * self.index + position
-
 
 @dataclass(frozen=True)
 class TrustCase:
@@ -55,7 +51,7 @@ class TrustCase:
     @property
     def row(self) -> int:
         """Its row number."""
-        return self.cell.row(self.position)
+        return STRIDE * self.cell.index + self.position
 
     @property
     def again(self) -> bool:

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,6 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from bench.basics.errors import BenchError
-from bench.benchmarks.trust.questions import QUESTIONS, TrustQuestion
 from bench.benchmarks.trust.work import FRESH, FROZEN
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.cases import Kind
@@ -37,14 +35,6 @@ class Evaluation:
     hours: float
     cells: tuple[PlannedCell, ...]
 
-    @cached_property
-    def _of(self) -> Mapping[tuple[str, str, str], Sequence[Row]]:
-        """Rows by robot, question and set."""
-        groups: dict[tuple[str, str, str], list[Row]] = {}
-        for row in self.rows:
-            groups.setdefault((row["robot"], row["question"], row["set"]), []).append(row)
-        return groups
-
     @property
     def robots(self) -> tuple[str, ...]:
         """All requested robots."""
@@ -58,11 +48,13 @@ class Evaluation:
     def of(self, robots: Sequence[str], kinds: Sequence[str], *, frozen: bool = False) -> list[Row]:
         """Rows of these robots and questions, of fresh or frozen cases."""
         kept = FROZEN if frozen else FRESH
-        return [row for robot in robots for kind in kinds for row in self._of.get((robot, kind, kept), [])]
-
-    def question(self, row: Row) -> TrustQuestion:
-        """The question of a row."""
-        return QUESTIONS[row["question"]]
+        groups: dict[tuple[str, str, str], list[Row]] = {
+            (at, kind, kept): [] for at in robots for kind in kinds
+        }
+        for row in self.rows:
+            if (group := groups.get((row["robot"], row["question"], row["set"]))) is not None:
+                group.append(row)
+        return [row for group in groups.values() for row in group]
 
 
 def read_evaluation(path: Path) -> Evaluation:

@@ -19,7 +19,7 @@ from bench.document.markdown.tables import rows_in_markdown
 from bench.studies.sweep.journal import OK, Row
 from bench.studies.sweep.progress import duration_text
 from bench.studies.trial.cases import Kind
-from bench.studies.trial.target import Attained, Target
+from bench.studies.trial.target import Attained, Share, Target
 
 MARKS = {Attained.YES: "✓", Attained.NO: "✗", Attained.TOO_FEW: "?", None: ""}
 NO_CASE = "–"
@@ -46,16 +46,13 @@ class OverviewColumn:
 
 def columns() -> list[OverviewColumn]:
     """All questions: on each kind of case, on gains, and on stability."""
-    shown = [
-        OverviewColumn(question.title, (question.kind,), question.target) for question in QUESTIONS.values()
+    noise, logs = (partial(stability, change=change) for change in (NOISE, WITHOUT_LOG))
+    return [
+        *(OverviewColumn(each.title, (each.kind,), each.target) for each in QUESTIONS.values()),
+        OverviewColumn("95 % intervals of gains contain the truth", MODELLED, coverage),
+        OverviewColumn("certain verdicts stay with more noise", tuple(QUESTIONS), noise),
+        OverviewColumn("certain verdicts stay without a log", tuple(QUESTIONS), logs),
     ]
-    shown.append(OverviewColumn("95 % intervals of gains contain the truth", MODELLED, coverage))
-    for change, title in (
-        (NOISE, "certain verdicts stay with more noise"),
-        (WITHOUT_LOG, "certain verdicts stay without a log"),
-    ):
-        shown.append(OverviewColumn(title, tuple(QUESTIONS), partial(stability, change=change)))
-    return shown
 
 
 def overview(evaluation: Evaluation, *, frozen: bool = False) -> str:
@@ -77,15 +74,15 @@ def target_text(target: Target) -> str:
         return NO_CASE
     kept = target.kept if share.of >= FEWEST else Attained.TOO_FEW
     counted = f"{MARKS[kept]} {share.count} of {share.of}".strip().replace(" ", "&nbsp;")
-    text = f"{counted}<br>({interval_text(target)})"
+    text = f"{counted}<br>({interval_text(share)})"
     return f"**{text}**" if kept is Attained.NO else text
 
 
-def interval_text(target: Target) -> str:
-    """The interval of a share, for example "85–99 %"."""
-    if target.share is None:
+def interval_text(share: Share | None) -> str:
+    """The interval of a share, for example "85–99 %"; a dash without cases."""
+    if share is None or not share.of:
         return NO_CASE
-    low, high = (100.0 * bound for bound in target.share.interval)
+    low, high = (100.0 * bound for bound in share.interval)
     digits = 0 if high - low >= NARROW else 1
     return f"{low:.{digits}f}{DASH}{high:.{digits}f}&nbsp;%"
 
@@ -104,9 +101,7 @@ def cost_table(evaluation: Evaluation) -> str:
     for robot in evaluation.robots:
         cells = [cell for cell in evaluation.cells if cell.robot == robot and not cell.frozen]
         by_kind = {cell.question: cell.planned for cell in cells}
-        rows = evaluation.of([robot], tuple(QUESTIONS)) + evaluation.of(
-            [robot], tuple(QUESTIONS), frozen=True
-        )
+        rows = [row for row in evaluation.rows if row["robot"] == robot]
         texts = [_cell(evaluation.of([robot], [kind]), planned, kind) for kind, planned in by_kind.items()]
         lines.append([robot, *texts, duration_text(sum(map(cost_of, rows)))])
     heads = ["", *(question.title.partition(":")[0] for question in QUESTIONS.values()), "all, frozen too"]
@@ -127,8 +122,7 @@ def _cell(rows: list[Row], planned: int, kind: Kind) -> str:
     failed = sum(row["status"] != OK for row in rows)
     text += f", {failed} failed" if failed else ""
     if len(rows) < planned:
-        target = QUESTIONS[kind].target(rows)
-        text += f", interval {interval_text(target) if target.share and target.share.of else NO_CASE}"
+        text += f", interval {interval_text(QUESTIONS[kind].target(rows).share)}"
     return text.replace(" ", "&nbsp;").replace(",&nbsp;", ", ")
 
 
@@ -150,13 +144,9 @@ def readme_block(evaluation: Evaluation) -> str:
     groups = [*([robot] for robot in robots), list(robots)]
     lines = [["largest gain error, median", *(_gain_error(evaluation, group) for group in groups)]]
     for kind, question in QUESTIONS.items():
-        targets = [question.target(evaluation.of(group, [kind])) for group in groups]
-        shares = [
-            f"{target.share.count} of {target.share.of}" if target.share.of else NO_CASE
-            for target in targets
-            if target.share is not None
-        ]
-        lines.append([question.title, *shares[:-1], f"{shares[-1]} ({interval_text(targets[-1])})"])
+        shares = [question.target(evaluation.of(group, [kind])).share for group in groups]
+        counts = [f"{share.count} of {share.of}" if share and share.of else NO_CASE for share in shares]
+        lines.append([question.title, *counts[:-1], f"{counts[-1]} ({interval_text(shares[-1])})"])
     table = rows_in_markdown(
         ["", *(SPOKEN.get(robot, robot) for robot in robots), "all, 95 % interval"], lines
     )

@@ -18,11 +18,10 @@ from bench.benchmarks.trust.evaluation import Evaluation, read_evaluation
 from bench.benchmarks.trust.overview import KEY, cost_of, cost_table, interval_text, overview, target_text
 from bench.benchmarks.trust.questions import QUESTIONS
 from bench.benchmarks.trust.stability import NOISE, SURE, WITHOUT_LOG, changed
-from bench.benchmarks.trust.words import answer_text, hidden_text, sentences
+from bench.benchmarks.trust.words import answer_text, hidden_text, is_wrong, sentences
 from bench.document.markdown.tables import rows_in_markdown
 from bench.studies.sweep.journal import OK, Row
 from bench.studies.sweep.progress import duration_text
-from bench.studies.trial.target import Target, TargetFigure
 
 PAGE = "trust.md"
 ELSEWHERE = (
@@ -81,10 +80,14 @@ def front(evaluation: Evaluation) -> list[str]:
 
 def wrong_cases(evaluation: Evaluation) -> str:
     """Every case with a wrong answer or a failure, with the argument that runs it again."""
-    rows = [row for row in evaluation.of(evaluation.robots, tuple(QUESTIONS)) if _wrong(evaluation, row)]
+    every = evaluation.of(evaluation.robots, tuple(QUESTIONS))
+    rows = [row for row in every if row["status"] != OK or is_wrong(row)]
     if not rows:
         return "None."
-    lines = [(f"`{case_name(row)}`", hidden_text(row), answer_text(row), _over_floor(row)) for row in rows]
+    lines = []
+    for row in rows:
+        error = f"{row['error_over_floor.after']:.3g}" if row["status"] == OK else ""
+        lines.append((f"`{case_name(row)}`", hidden_text(row), answer_text(row), error))
     heads = ("case", "hidden", "answer", "error over the noise floor")
     return f"`{COMMAND} CASE` runs a case again.\n\n{rows_in_markdown(heads, lines)}"
 
@@ -94,29 +97,18 @@ def case_name(row: Row) -> str:
     return f"{row['robot']}/{row['question']}/{row['number']}"
 
 
-def _wrong(evaluation: Evaluation, row: Row) -> bool:
-    question = evaluation.question(row)
-    return row["status"] != OK or (question.counts(row) and question.wrong(row))
-
-
-def _over_floor(row: Row) -> str:
-    return "" if row["status"] != OK else f"{row['error_over_floor.after']:.3g}"
-
-
 def reliability_table(evaluation: Evaluation) -> str:
     """Stated probabilities, and the shares of these effects that are present."""
     classes = reliability(evaluation.of(evaluation.robots, MODELLED))
-    lines = []
-    for group in classes:
-        share = Target(TargetFigure.PLACES, group.there.value, None, None, group.there)
-        lines.append(
-            (
-                f"{group.above:g} to {group.below:g}",
-                f"{group.stated:.3f}",
-                f"{group.there.count} of {group.there.of}",
-                interval_text(share),
-            )
+    lines = [
+        (
+            f"{group.above:g} to {group.below:g}",
+            f"{group.stated:.3f}",
+            f"{group.there.count} of {group.there.of}",
+            interval_text(group.there),
         )
+        for group in classes
+    ]
     return rows_in_markdown(("stated probability", "mean", "effects that are there", "95 % interval"), lines)
 
 

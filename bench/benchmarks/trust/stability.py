@@ -19,17 +19,14 @@ FIGURES = {NOISE: TargetFigure.STABLE_NOISE, WITHOUT_LOG: TargetFigure.STABLE_LO
 def stability(rows: Sequence[Row], change: str) -> Target:
     """Of the verdicts that are certain before or after a change, the share that is certain both times."""
     stay = of = 0
-    for row in diagnosed_again(rows, change):
+    for row in rows:
+        if row.get(change) is None:
+            continue
         before, after = set(names_in(row[SURE])), set(names_in(row[change]))
         stay += len(before & after)
         of += len(before | after)
     share = Share(stay, of)
     return Target(FIGURES[change], share.value, LEAST[change], None, share)
-
-
-def diagnosed_again(rows: Sequence[Row], change: str) -> list[Row]:
-    """Cases that were diagnosed again under this change."""
-    return [row for row in rows if row.get(change) is not None]
 
 
 def changed(row: Row, change: str) -> bool:

@@ -60,16 +60,21 @@ def mistakes_of(row: Row) -> list[Mistake]:
     return mistakes
 
 
+def is_wrong(row: Row) -> bool:
+    """Whether a case counts and its answer is wrong."""
+    question = QUESTIONS[row["question"]]
+    return question.counts(row) and question.wrong(row)
+
+
 def sentences(rows: Sequence[Row]) -> list[str]:
     """Sentences on the most frequent mistakes, with the number of cases that could have them, and the robots."""
     judged = [row for row in rows if QUESTIONS[row["question"]].counts(row)]
     counts: Counter[Mistake] = Counter()
     robots: dict[Mistake, Counter[str]] = {}
     for row in judged:
-        if QUESTIONS[row["question"]].wrong(row):
-            for mistake in mistakes_of(row):
-                counts[mistake] += 1
-                robots.setdefault(mistake, Counter())[row["robot"]] += 1
+        for mistake in mistakes_of(row) if is_wrong(row) else ():
+            counts[mistake] += 1
+            robots.setdefault(mistake, Counter())[row["robot"]] += 1
     return [
         _sentence(mistake, count, robots[mistake], judged) for mistake, count in counts.most_common(SENTENCES)
     ]

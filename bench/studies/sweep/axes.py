@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -127,13 +127,8 @@ class ChoiceDraw(UserTable):
 
 Draw: TypeAlias = Even | Normal | ChoiceDraw
 DRAW: TypeAdapter[Draw] = TypeAdapter(Annotated[Draw, Field(discriminator="draw")])
-KEYS = (
-    "from",
-    "values",
-    "draw",
-    "cases",
-    "effects",
-)  # a table with one of these is an axis, any other contains axes
+# a table with one of these is an axis, any other contains axes
+KEYS = frozenset({"from", "values", "draw", "cases", "effects"})
 
 
 @dataclass(frozen=True)
@@ -180,7 +175,7 @@ Axis: TypeAlias = GridAxis | DrawnAxis
 def read_axes(table: Mapping[str, Any], where: str) -> tuple[Axis, ...]:
     """The axes of the table [axes], nested or with dotted names; BenchError names the faulty axis."""
     axes: list[Axis] = []
-    for name, value in _leaves(table, ""):
+    for name, value in flat(table, whole=lambda entry: not KEYS.isdisjoint(entry) or not entry):
         key = f"{where}: axes.{name}"
         try:
             axes.append(_axis(name, value))
@@ -191,15 +186,18 @@ def read_axes(table: Mapping[str, Any], where: str) -> tuple[Axis, ...]:
     return tuple(axes)
 
 
-def _leaves(table: Mapping[str, Any], prefix: str) -> list[tuple[str, Any]]:
-    leaves = []
+def flat(
+    table: Mapping[str, Any],
+    prefix: str = "",
+    *,
+    whole: Callable[[Mapping[str, Any]], bool] = lambda _: False,
+) -> Iterator[tuple[str, Any]]:
+    """Settings by dotted path; tables are entered, except for those that are `whole`."""
     for key, value in table.items():
-        name = f"{prefix}{key}"
-        if isinstance(value, Mapping) and value and not any(word in value for word in KEYS):
-            leaves += _leaves(value, f"{name}.")
+        if isinstance(value, Mapping) and not whole(value):
+            yield from flat(value, f"{prefix}{key}.", whole=whole)
         else:
-            leaves.append((name, value))
-    return leaves
+            yield f"{prefix}{key}", value
 
 
 def _axis(name: str, value: Any) -> Axis:
@@ -213,7 +211,7 @@ def _axis(name: str, value: Any) -> Axis:
         return DrawnAxis(name, DRAW.validate_python(value))
     if "cases" in value:
         cases = Cases.model_validate(value).cases
-        return GridAxis(name, tuple(Point(label, dict(_paths(case))) for label, case in cases.items()))
+        return GridAxis(name, tuple(Point(label, dict(flat(case))) for label, case in cases.items()))
     if "from" in value:
         return _grid(name, list(Range.model_validate(value).values()))
     if "effects" in value:
@@ -228,14 +226,3 @@ def _grid(name: str, values: Any) -> GridAxis:
         if value in values[:i]:
             raise ValueError(f"{value!r} is given twice")
     return GridAxis(name, tuple(Point(value, {name: value}) for value in values))
-
-
-def _paths(case: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Value]]:
-    """Settings of a case by dotted path; tables are entered."""
-    paths: list[tuple[str, Value]] = []
-    for key, value in case.items():
-        if isinstance(value, Mapping):
-            paths += _paths(value, f"{prefix}{key}.")
-        else:
-            paths.append((f"{prefix}{key}", value))
-    return paths

@@ -21,7 +21,7 @@ from bench.studies.sweep.metrics import (
     metric_title,
     what_is_measured,
 )
-from bench.studies.sweep.summary import Spread, SummaryPart, rank, summarise_in_parts
+from bench.studies.sweep.summary import Spread, SummaryPart, rank, summarise
 
 ROLES: tuple[Role, ...] = ("one", "two", "three", "four", "five", "six", "seven")
 STEP = 0.008  # offset between lines, as a share of the axis
@@ -114,7 +114,7 @@ def spread_chart(metric: str, values: Sequence[Any]) -> Chart:
 def _points(table: Path, x: str, y: str, lines: str | None) -> dict[Any, Points]:
     """Points by the value of `lines`: values of x with the spread of y; numbers are in rising order."""
     points: dict[Any, Points] = {}
-    for line in summarise_in_parts(table, [x, *([lines] if lines else [])], [y]).lines:
+    for line in summarise(table, [x, *([lines] if lines else [])], [y], in_parts=True).lines:
         at, *names = line.values
         if at is not None and line.spreads[y].count:
             value = at.middle if isinstance(at, SummaryPart) else at

@@ -3,41 +3,41 @@
 import os
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
 from bench.basics.errors import BenchError
 from bench.basics.plural import plural
 from bench.basics.program import typed
+from bench.basics.versions import versions
 from bench.scenario.scenario import scenario_from_dict
 from bench.studies.sweep.plan import Plan
-from bench.studies.sweep.pool import LocalPool, Pool, Task
+from bench.studies.sweep.pool import LocalPool
 from bench.studies.sweep.preflight import check_plan
 from bench.studies.sweep.progress import duration_text
 from bench.studies.sweep.reference import (
     ALARMS,
     ReferenceComparison,
     ReferenceLine,
+    SweepReference,
     chosen_plan,
     compare_line,
     content_of,
     limits_of,
     load_reference,
     measured_lines,
-    new_reference,
     reference_sweeps,
     save_reference,
     tolerances_of,
 )
-from bench.studies.sweep.run_plan import Work, keep_design
+from bench.studies.sweep.run_plan import Work
 from bench.studies.sweep.run_sweep import run_sweep
-from bench.studies.sweep.summary import number
+from bench.studies.sweep.summary import number, plain_table
 from bench.studies.sweep.sweep_file import Sweep
 
 COLORS = {"worse": "red", "over its limit": "red", "better": "green", "new": "yellow"}
@@ -76,23 +76,20 @@ def check_accuracy(options: CheckOptions, console: Console, make_work: Callable[
             comparisons += compare_line(name, label, before, line, tolerances_of(sweep), limits)
     _print(console, comparisons, verbose=options.verbose)
     for alarm in alarms:
-        console.print(f"[red]{alarm}[/]", highlight=False, soft_wrap=True)
-    worse = sum(comparison.verdict in ALARMS for comparison in comparisons)
+        console.print(f"[red]{alarm}[/]", soft_wrap=True)
+    verdicts: list[str] = [comparison.verdict for comparison in comparisons]
+    worse = sum(map(verdicts.count, ALARMS))
     counts = [f"{worse} worse"]
     for verdict, name in (("better", "better"), ("same", "as before"), ("new", "new")):
-        count = sum(comparison.verdict == verdict for comparison in comparisons)
+        count = verdicts.count(verdict)
         counts += [f"{count} {name}"] if count or verdict != "new" else []
     took = duration_text(time.monotonic() - start)
-    console.print(f"{len(comparisons)} figures in {took}: {', '.join(counts)}", highlight=False)
-    changed = list(
-        dict.fromkeys(comparison.sweep for comparison in comparisons if comparison.verdict in ALARMS)
-    )
-    if changed and not (options.full and options.verbose):
-        only = " ".join(f"--only {name}" for name in changed)
-        step = (
-            f"next: {typed()} check --full --verbose {only}    runs all of their seeds and shows every figure"
-        )
-        console.print(step, highlight=False, soft_wrap=True)
+    console.print(f"{len(comparisons)} figures in {took}: {', '.join(counts)}")
+    if worse and not (options.full and options.verbose):
+        changed = dict.fromkeys(entry.sweep for entry in comparisons if entry.verdict in ALARMS)
+        step = f"{typed()} check --full --verbose {' '.join(f'--only {name}' for name in changed)}"
+        text = f"next: {step}    runs all of their seeds and shows every figure"
+        console.print(text, soft_wrap=True)
     return 1 if worse or alarms else 0
 
 
@@ -104,8 +101,9 @@ def update_reference(
         raise BenchError("check --update: give the reason for the change with --reason")
     for name, sweep, plan, lines in _measured(options, make_work):
         path = options.reference / f"{name}.json"
-        save_reference(path, new_reference(sweep, lines, reason.strip()))
-        console.print(f"Reference: {path} ({plural(plan.size, 'run')})", highlight=False, soft_wrap=True)
+        reference = SweepReference(content_of(sweep), reason.strip(), versions().columns(), lines)
+        save_reference(path, reference)
+        console.print(f"Reference: {path} ({plural(plan.size, 'run')})", soft_wrap=True)
 
 
 def _chosen(options: CheckOptions) -> dict[str, tuple[Sweep, Plan]]:
@@ -130,68 +128,34 @@ def _measured(
     All sweeps share the workers, and trajectories that several of them need are designed once.
     """
     chosen = _chosen(options)
-    works = {name: make_work(sweep) for name, (sweep, _) in chosen.items()}
     workers = options.workers or len(os.sched_getaffinity(0))
     temporary = tempfile.TemporaryDirectory(prefix="bench-check-")
     with LocalPool(workers) as pool, temporary as folder:
-        designs = Path(folder) / "designs"
-        _design([(works[name], plan) for name, (_, plan) in chosen.items()], pool, designs)
         for name, (sweep, plan) in chosen.items():
             lent, quiet = lambda: nullcontext(pool), lambda _: None
             target = Path(folder) / name
-            finished = run_sweep(plan, target, lent, works[name], quiet, designs=designs)
+            designs = Path(folder) / "designs"
+            finished = run_sweep(plan, target, lent, make_work(sweep), quiet, designs=designs)
             lines = measured_lines(plan, finished.table, list(tolerances_of(sweep)))
             yield name, sweep, plan, lines
 
 
-def _design(plans: Sequence[tuple[Work, Plan]], pool: Pool, folder: Path) -> None:
-    """Design all trajectories in parallel; a failure is reported later by the sweep that needs the trajectory."""
-    wanted: dict[str, Task] = {}
-    for work, plan in plans:
-        for run in map(plan.run, range(plan.size)):
-            if run.design not in wanted:
-                wanted[run.design] = work.design(run)
-    names = list(wanted)
-    for key, name in enumerate(names):
-        pool.submit(key, wanted[name])
-    remaining = len(names)
-    while remaining:
-        for outcome in pool.outcomes():
-            remaining -= 1
-            if outcome.fault is None:
-                keep_design(folder, names[outcome.key], outcome.value)
-
-
 def _print(console: Console, comparisons: list[ReferenceComparison], *, verbose: bool) -> None:
     """Print the changes, or with `verbose` all figures."""
-    worth_telling = [comparison for comparison in comparisons if verbose or comparison.verdict != "same"]
-    if not worth_telling:
+    shown = [comparison for comparison in comparisons if verbose or comparison.verdict != "same"]
+    if not shown:
         return
-    table = Table(
-        box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim", show_edge=False
-    )
-    table.add_column("", overflow="fold")
-    for header in ("reference", "now", "change", "allowed", "limit"):
-        table.add_column(header, justify="right", no_wrap=True)
+    table = plain_table([""], ["reference", "now", "change", "allowed", "limit"], no_wrap=True)
     table.add_column("", no_wrap=True)
-    order = {verdict: i for i, verdict in enumerate((*ALARMS, "new", "better", "same"))}
-    by_line: dict[str, list[ReferenceComparison]] = {}
-    for comparison in worth_telling:
-        by_line.setdefault(
-            f"{comparison.sweep}, {comparison.line}" if comparison.line else comparison.sweep, []
-        ).append(comparison)
-    for line, of_line in by_line.items():
-        table.add_row(line, style="bold")
-        for reference_comparison in sorted(
-            of_line, key=lambda compared: (order[compared.verdict], -(compared.change or 0.0))
-        ):
-            table.add_row(
-                f"  {reference_comparison.metric}",
-                *_cells(reference_comparison),
-                style=COLORS.get(reference_comparison.verdict),
-            )
+    order = [*ALARMS, "new", "better", "same"]
+    for (sweep, line), of_line in groupby(shown, lambda compared: (compared.sweep, compared.line)):
+        table.add_row(f"{sweep}, {line}" if line else sweep, style="bold")
+        ranked = sorted(of_line, key=lambda each: (order.index(each.verdict), -(each.change or 0.0)))
+        for comparison in ranked:
+            style = COLORS.get(comparison.verdict)
+            table.add_row(f"  {comparison.metric}", *_cells(comparison), style=style)
     console.print(table)
-    console.print("[dim]Change for the worse, in units of the spread from seed to seed.[/]", highlight=False)
+    console.print("[dim]Change for the worse, in units of the spread from seed to seed.[/]")
 
 
 def _cells(comparison: ReferenceComparison) -> list[str]:

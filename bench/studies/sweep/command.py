@@ -1,10 +1,11 @@
 """The command `bench sweep`: check, estimate the run time, run, show."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import prod
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from rich.console import Console
 from rich.markup import escape
@@ -19,7 +20,7 @@ from bench.identification.problem import problem_of
 from bench.scenario.scenario import resolve_trajectories, scenario_from_dict
 from bench.studies.sweep.axes import Axis, DrawnAxis, GridAxis
 from bench.studies.sweep.hidden_share import without_share
-from bench.studies.sweep.plan import FITTING, MACHINE, MOVEMENT, Plan, Run, level, make_plan
+from bench.studies.sweep.plan import FITTING, MACHINE, MOVEMENT, Plan, level, make_plan
 from bench.studies.sweep.pool import ON_ALL_CORES, Workers
 from bench.studies.sweep.preflight import check_plan, fixed_declarations
 from bench.studies.sweep.progress import duration_text, progress_console, shown_progress
@@ -36,6 +37,7 @@ PART = 0.4  # share of it for a second measurement, which shows the time that do
 ROUNDS = 2.0  # of a diagnosis: one that identifies an effect, one that identifies no more
 DESIGN_SECONDS = 5.0  # approximate time of one design
 MOST_REASONS = 5
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
@@ -66,8 +68,12 @@ def extent(plan: Plan, *, trial: bool = True) -> Extent:
     first = plan.run(0)
     drawn_gains = bool((first.content.get("gains") or {}).get("error_within"))
     motion_axes = [axis for axis in axes if level(axis) <= MACHINE]
-    each = plan.sweep.table.design == "each"
-    design_axes = [axis for axis in axes if level(axis) == MOVEMENT or (each and _on_payload(axis))]
+    also = ("payloads",) if plan.sweep.table.design == "each" else ()
+    design_axes = [
+        axis
+        for axis in axes
+        if level(axis) == MOVEMENT or any(path.split(".")[0] in also for path in axis.paths)
+    ]
     by_seed = drawn_gains or any(isinstance(axis, DrawnAxis) for axis in motion_axes)
     design_by_seed = any(isinstance(axis, DrawnAxis) for axis in design_axes)
     costs = _trial(plan) if trial else (None, None)
@@ -83,10 +89,6 @@ def extent(plan: Plan, *, trial: bool = True) -> Extent:
 
 def _points(axes: list[Axis]) -> int:
     return prod(len(axis.points) for axis in axes if isinstance(axis, GridAxis))
-
-
-def _on_payload(axis: Axis) -> bool:
-    return any(path.split(".")[0] == "payloads" for path in axis.paths)
 
 
 def _optimised(content: Any) -> bool:
@@ -111,15 +113,20 @@ def _trial(plan: Plan) -> tuple[float | None, float | None]:
         {**recording, "design": {**recording["design"], **short}} for recording in content["recordings"]
     ]
     scenario = scenario_from_dict({**content, "recordings": recordings}, run.base, run.base, whole.robot)
-    start = time.perf_counter()
+    effects, method = run.identify["effects"], run.identify["method"]
+
+    def fitting(dataset: Dataset) -> float:
+        return _timed(lambda: fit(prepare(problem_of(dataset, effects)), method))[0]
+
     try:
-        simulation = simulate(scenario, resolve_trajectories(scenario), threads=1)
-        simulating = time.perf_counter() - start
-        whole_data = as_dataset(simulation)
-        logs = tuple(log.part(slice(0, round(PART * len(log.time)))) for log in whole_data.recordings)
-        part = replace(whole_data, recordings=logs)
-        _, short_time, long_time = (_identifying(data, run) for data in (part, part, whole_data))
-        diagnosing = ROUNDS * _diagnosing(whole_data, run) if run.identify["diagnose"] else 0.0
+        simulating, simulation = _timed(lambda: simulate(scenario, resolve_trajectories(scenario), threads=1))
+        data = as_dataset(simulation)
+        logs = tuple(log.part(slice(0, round(PART * len(log.time)))) for log in data.recordings)
+        part = replace(data, recordings=logs)
+        _, short_time, long_time = map(fitting, (part, part, data))
+        diagnosing = 0.0  # hardly depends on the duration of the motion
+        if run.identify["diagnose"]:
+            diagnosing = ROUNDS * _timed(lambda: diagnose_with_catalogue(problem_of(data, effects)))[0]
     except BenchError:  # a short motion may not suffice for this robot, which says nothing about the sweep
         return None, None
     more = sum(durations) / len(durations) - TRIAL
@@ -127,18 +134,11 @@ def _trial(plan: Plan) -> tuple[float | None, float | None]:
     return simulating + more / TRIAL * simulation.seconds, long_time + slope * more + diagnosing
 
 
-def _identifying(dataset: Dataset, run: Run) -> float:
-    """Computing time of an identification, s."""
+def _timed(work: Callable[[], Result]) -> tuple[float, Result]:
+    """Computing time, s, and the result."""
     start = time.perf_counter()
-    fit(prepare(problem_of(dataset, run.identify["effects"])), run.identify["method"])
-    return time.perf_counter() - start
-
-
-def _diagnosing(dataset: Dataset, run: Run) -> float:
-    """Computing time of a diagnosis with the catalogue, s, which hardly depends on the duration of the motion."""
-    start = time.perf_counter()
-    diagnose_with_catalogue(problem_of(dataset, run.identify["effects"]))
-    return time.perf_counter() - start
+    result = work()
+    return time.perf_counter() - start, result
 
 
 def run_command(
@@ -157,16 +157,16 @@ def run_command(
     plan = make_plan(load_sweep(sweep_file))
     check_plan(plan)
     name, description = escape(plan.sweep.name), escape(plan.sweep.table.description)
-    console.print(f"[bold]{name}[/]  {description}", highlight=False)
-    console.print(_extent_text(plan, extent(plan), workers), highlight=False, markup=False)
+    console.print(f"[bold]{name}[/]  {description}")
+    console.print(_extent_text(plan, extent(plan), workers), markup=False)
     for note in fixed_declarations(plan):
-        console.print(note, highlight=False, markup=False)
+        console.print(note, markup=False)
     if dry_run or folder is None:
         return 0
 
     def resumed(kept: int) -> None:
         remaining = plan.size - kept
-        console.print(f"{kept} of {plan.size} runs are there from before, {remaining} to go", highlight=False)
+        console.print(f"{kept} of {plan.size} runs are there from before, {remaining} to go")
 
     start = time.monotonic()
     with shown_progress(progress_console(quiet), plan.size) as report:
@@ -213,11 +213,10 @@ def _show(console: Console, plan: Plan, finished: Finished, seconds: float) -> i
     made = finished.runs - finished.kept
     kept = f", {finished.kept} kept from before" if finished.kept else ""
     text = f"{plural(made, 'run')} in {duration_text(seconds)}{kept}, {finished.failed} failed"
-    console.print(text, highlight=False)
-    for name, path in (("table", finished.table), ("summary", finished.folder / SUMMARY)):
-        console.print(f"wrote {path} ({name})", highlight=False, soft_wrap=True)
-    for path in plots:
-        console.print(f"wrote {path} (figure)", highlight=False, soft_wrap=True)
+    console.print(text)
+    files = [(finished.table, "table"), (finished.folder / SUMMARY, "summary")]
+    for path, name in (*files, *((plot, "figure") for plot in plots)):
+        console.print(f"wrote {path} ({name})", soft_wrap=True)
     return 1 if finished.failed == finished.runs else 0
 
 
@@ -225,6 +224,6 @@ def _show_failures(console: Console, finished: Finished) -> None:
     reasons = failed_runs(finished.table)
     for reason, runs in list(reasons.items())[:MOST_REASONS]:
         which = f"run {runs[0]}" if len(runs) == 1 else f"{len(runs)} runs, first {runs[0]}"
-        console.print(f"[red]failed[/] ({which}): {escape(reason)}", highlight=False, soft_wrap=True)
+        console.print(f"[red]failed[/] ({which}): {escape(reason)}", soft_wrap=True)
     if len(reasons) > MOST_REASONS:
         console.print(f"… and for {len(reasons) - MOST_REASONS} other reasons: see the column `reason`")

@@ -166,14 +166,10 @@ class DaskPool(Pool):
 
 def _check_versions(client: Any) -> None:
     """Raise BenchError unless all workers run the same versions as this process, so that a table has one version."""
-    local_versions = versions()
+    local = versions().columns()
     for worker, worker_versions in client.run(versions).items():
-        if worker_versions != local_versions:
-            different = next(
-                f"{name} {theirs}, local {ours}"
-                for (name, ours), theirs in zip(
-                    local_versions.columns().items(), worker_versions.columns().values(), strict=True
-                )
-                if ours != theirs
-            )
-            raise BenchError(f"the worker {worker} has {different}: install the same on both")
+        theirs = worker_versions.columns()
+        for name, version in local.items():
+            if theirs.get(name) != version:
+                different = f"{name} {theirs.get(name)}, local {version}"
+                raise BenchError(f"the worker {worker} has {different}: install the same on both")

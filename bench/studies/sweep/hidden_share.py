@@ -4,6 +4,7 @@
 `hidden_joint` selects one joint instead of all. The parameters follow from the motion.
 """
 
+import json
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
@@ -41,7 +42,8 @@ def with_sized_effect(
     if not content.get("hidden_share"):
         return plain
     effect, share = content["hidden_effect"], content["hidden_share"]
-    reference = _reference(_ShareKey({**plain, "hidden": []}), name, _ShareKey(trajectories))
+    motions = json.dumps({recording: motion.to_dict() for recording, motion in trajectories.items()})
+    reference = _reference(json.dumps({**plain, "hidden": []}), name, motions)
     kind = HIDDEN_EFFECTS[effect]
     joints: tuple[str | None, ...] = reference.simulation.robot.joints
     if content.get("hidden_joint") is not None:
@@ -55,16 +57,8 @@ def with_sized_effect(
     return {**plain, "hidden": [*plain.get("hidden", []), *entries]}
 
 
-class _ShareKey(dict[str, Any]):
-    """A mapping that is hashed and compared by its repr."""
-
-    def __hash__(self) -> int:  # type: ignore[override]
-        return hash(repr(self))
-
-    def __eq__(self, other: object) -> bool:
-        return repr(self) == repr(other)
-
-
 @lru_cache(maxsize=2)
-def _reference(content: _ShareKey, name: str, trajectories: _ShareKey) -> Reference:
-    return Reference(simulate(scenario_from_dict(content, name), trajectories, threads=1))
+def _reference(content: str, name: str, trajectories: str) -> Reference:
+    """The motion of a scenario with these trajectories, both as JSON."""
+    motions = {name: FourierTrajectory.from_dict(entry) for name, entry in json.loads(trajectories).items()}
+    return Reference(simulate(scenario_from_dict(json.loads(content), name), motions, threads=1))

@@ -13,7 +13,7 @@ from bench.basics.chi_squared import WITHIN_95
 
 if TYPE_CHECKING:
     from bench.identification.prepare import Prepared
-    from bench.identification.result import Identification
+    from bench.identification.result import Identification, Parameter
     from bench.truth.simulate import Simulation
 
 WELL_KNOWN = 0.03  # relative standard error below which a parameter counts as well determined
@@ -41,32 +41,26 @@ class IdentifiedRun:
 
     @cached_property
     def true_parameters(self) -> dict[str, float]:
-        """The true base parameters, by name."""
-        from bench.studies.sweep.accuracy import true_base_parameters  # noqa: PLC0415 - likewise
+        """The true base parameters by name, and the true gains by joint."""
+        from bench.studies.sweep.accuracy import true_values  # noqa: PLC0415 - likewise
         from bench.truth.report import truth  # noqa: PLC0415 - likewise
 
-        model = self.prepared.model
-        values = true_base_parameters(model, truth(self.simulation))
-        return dict(zip(model.base.names, values, strict=True))
+        return true_values(self.prepared.model, truth(self.simulation))
+
+    @property
+    def _estimates(self) -> list[tuple[Parameter, float]]:
+        """The base parameters whose true values are known, with these."""
+        true = self.true_parameters
+        return [(entry, true[entry.name]) for entry in self.result.parameters if entry.name in true]
 
     def worst_parameter(self) -> float:
         """Largest relative error of a parameter that the data determine well; NaN if there is none."""
-        true = self.true_parameters
-        errors = [
-            abs(parameter.value / true[parameter.name] - 1.0)
-            for parameter in self.result.parameters
-            if parameter.name in true and parameter.relative_std < WELL_KNOWN
-        ]
-        return max(errors, default=float("nan"))
+        known = [(entry, true) for entry, true in self._estimates if entry.relative_std < WELL_KNOWN]
+        return max((abs(entry.value / true - 1.0) for entry, true in known), default=float("nan"))
 
     def parameters_within(self) -> float:
         """Share of the parameters whose 95 % interval contains the truth; NaN if there are none."""
-        true = self.true_parameters
-        within = [
-            abs(parameter.value - true[parameter.name]) <= WITHIN_95 * parameter.std
-            for parameter in self.result.parameters
-            if parameter.name in true
-        ]
+        within = [abs(entry.value - true) <= WITHIN_95 * entry.std for entry, true in self._estimates]
         return float(np.mean(within)) if within else float("nan")
 
     def parameter_columns(self) -> dict[str, float]:

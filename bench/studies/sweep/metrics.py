@@ -10,14 +10,14 @@ from bench.effects.display_names import spoken
 from bench.studies.sweep.identified_run import IdentifiedRun
 
 Of = Literal["", "joint", "joint or all", "use"]
-"""The part of the name after the dot: none or as in `parts`, a joint, a joint or none, identify or validate."""
+"""The part of the name after the dot: none or any, a joint, a joint or none, identify or validate."""
 
 USES: Mapping[str, str] = {"identify": "fitted", "validate": "not fitted"}
 
 
 @dataclass(frozen=True)
 class Metric:
-    """A metric. measures: in words; parts: what may follow its name after a dot; title: for people.
+    """A metric. measures: in words; title: for people.
 
     unit: SI, empty for a dimensionless number; relative: reported in percent; share: of successes, whose mean is a
     coverage. of: see `Of`. group: the group of `record` that it belongs to, empty if it is always recorded. value:
@@ -25,7 +25,6 @@ class Metric:
     """
 
     measures: str
-    parts: str = ""
     title: str = ""
     unit: str = ""
     relative: bool = False
@@ -39,21 +38,18 @@ class Metric:
 METRICS: Mapping[str, Metric] = {
     "gain_error": Metric(
         "largest relative deviation of an estimated drive gain from the true one",
-        ".JOINT with its sign",
         "largest gain error",
         relative=True,
         of="joint or all",
     ),
     "gain_std": Metric(
         "standard deviation of a drive gain as estimated, relative",
-        ".JOINT",
         "stated standard error of a gain",
         relative=True,
         of="joint",
     ),
     "gain_within": Metric(
         "share of the drive gains whose 95 % interval holds the truth",
-        ".JOINT",
         "gains inside their 95 % intervals",
         relative=True,
         share=True,
@@ -68,14 +64,12 @@ METRICS: Mapping[str, Metric] = {
     ),
     "error": Metric(
         "relative error of the current",
-        ".identify, .validate",
         "error of the current",
         relative=True,
         of="use",
     ),
     "noise_floor": Metric(
         "what a perfect model would leave of the current",
-        ".identify, .validate",
         "noise floor",
         relative=True,
         of="use",
@@ -103,15 +97,13 @@ METRICS: Mapping[str, Metric] = {
     ),
     "drive_gain": Metric(
         "drive gain",
-        ".JOINT",
         "drive gain",
         of="joint",
         group="gains",
         values=lambda run: {joint: gain.value for joint, gain in run.result.drive_gains.items()},
     ),
     "parameter": Metric(
-        "base parameter",
-        ".NAME, .NAME.std, .NAME.true",
+        "base parameter",  # .NAME, .NAME.std, .NAME.true
         group="parameters",
         values=lambda run: run.parameter_columns(),
     ),
@@ -131,11 +123,10 @@ METRICS: Mapping[str, Metric] = {
         value=lambda run: run.parameters_within(),
     ),
     "diagnosis": Metric(
-        "of `diagnose`", ".missed and .invented, how many effects; .missing, their names; .gain_error after"
-    ),
+        "of `diagnose`"
+    ),  # .missed, .invented: numbers of effects; .missing: names; .gain_error
     "effect": Metric(
-        "effect parameter",
-        ".EFFECT.JOINT.PARAMETER and .std",
+        "effect parameter",  # .EFFECT.JOINT.PARAMETER and .std
         group="effects",
         values=lambda run: run.effect_columns(),
     ),

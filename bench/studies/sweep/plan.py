@@ -11,7 +11,7 @@ from typing import Any
 
 from bench.basics.errors import BenchError
 from bench.scenario.file import find_scenario, read_with_bases, with_absolute_paths
-from bench.studies.sweep.axes import Axis, DrawnAxis, GridAxis, Value
+from bench.studies.sweep.axes import Axis, DrawnAxis, GridAxis, Value, flat
 from bench.studies.sweep.sweep_file import IDENTIFY, LARGEST, Sweep
 
 NAMES = ("name", "effect")  # an element of a list of tables is named by one of these keys, or by its number
@@ -217,7 +217,7 @@ class Plan:
         if base not in self._bases:
             folder = self.sweep.path.parent
             content = read_with_bases(find_scenario(base, folder))
-            for path, value in _flat(self.sweep.table.scenario):
+            for path, value in flat(self.sweep.table.scenario):
                 content = with_setting(content, path, value)
             self._bases[base] = with_absolute_paths(content, folder)
         return dict(self._bases[base])
@@ -270,12 +270,3 @@ def digest(value: Any) -> str:
     """Sixteen hexadecimal digits that distinguish values."""
     text = json.dumps(value, sort_keys=True, separators=(",", ":"), default=list)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Settings by dotted path, entering tables."""
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value

@@ -103,11 +103,6 @@ class LocalPool(Pool):
         """Number of workers."""
         return len(self._workers)
 
-    @property
-    def processes(self) -> list[int]:
-        """Process ids of the workers."""
-        return [worker.process.pid or 0 for worker in self._workers]
-
     def submit(self, key: int, task: Task, shared: Shared | None = None) -> None:
         """Queue a task."""
         self._queue.append(_Job(key, task, shared))
@@ -184,13 +179,9 @@ class LocalPool(Pool):
             return
         if job.attempts < ATTEMPTS:
             self._queue.appendleft(job)
-        else:
-            name = (
-                f"signal {signal.Signals(-code).name}"
-                if code is not None and code < 0
-                else f"exit code {code}"
-            )
-            self._outcomes.append(Outcome(job.key, None, f"the worker died {ATTEMPTS} times ({name})"))
+            return
+        name = f"signal {signal.Signals(-code).name}" if code and code < 0 else f"exit code {code}"
+        self._outcomes.append(Outcome(job.key, None, f"the worker died {ATTEMPTS} times ({name})"))
 
 
 def attempt(task: Task, shared: Any = None) -> tuple[Any, str | None]:

@@ -1,6 +1,7 @@
 """Check a sweep before it starts, so that an error in run 900 is reported at once."""
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,7 +14,7 @@ from bench.effects import places_in, select_effects
 from bench.identification.estimators import ESTIMATORS
 from bench.model.model import build_model
 from bench.scenario.scenario import Scenario, scenario_from_dict
-from bench.studies.sweep.axes import DrawnAxis, GridAxis
+from bench.studies.sweep.axes import DrawnAxis
 from bench.studies.sweep.hidden_share import without_share
 from bench.studies.sweep.metrics import METRICS
 from bench.studies.sweep.plan import Plan, Run, digest
@@ -30,22 +31,19 @@ def check_asked(plan: Plan, joints: Iterable[str]) -> None:
 
     Raises BenchError, one line that names the metric and the cure.
     """
-    table, path = plan.sweep.table, plan.sweep.path
-    for metric in table.show:
-        if fault := _fault(plan, metric, sorted(joints)):
-            raise BenchError(f"{path}: show: {fault}")
+    table, axes = plan.sweep.table, (*plan.axis_names, "seed")
+    asked = [("show", metric) for metric in table.show]
     for plot in table.plots:
-        if fault := _fault(plan, plot.y, sorted(joints)):
-            raise BenchError(f"{path}: plots: {fault}")
-        for axis in (plot.x, *([plot.lines] if plot.lines else [])):
-            if axis in (*plan.axis_names, "seed"):
-                continue
+        drawn = [axis for axis in (plot.x, plot.lines) if axis is not None and axis not in axes]
+        for axis in drawn:
             if axis.split(".")[0] not in METRICS:
                 raise BenchError(
-                    f"{path}: plots: {axis!r} is not an axis; there are {', '.join((*plan.axis_names, 'seed'))}"
+                    f"{plan.sweep.path}: plots: {axis!r} is not an axis; there are {', '.join(axes)}"
                 )
-            if fault := _fault(plan, axis, sorted(joints)):
-                raise BenchError(f"{path}: plots: {fault}")
+        asked += [("plots", metric) for metric in (plot.y, *drawn)]
+    for key, metric in asked:
+        if fault := _fault(plan, metric, sorted(joints)):
+            raise BenchError(f"{plan.sweep.path}: {key}: {fault}")
 
 
 def _fault(plan: Plan, metric: str, joints: list[str]) -> str | None:
@@ -58,7 +56,8 @@ def _fault(plan: Plan, metric: str, joints: list[str]) -> str | None:
     if known.group and known.group not in table.record:
         groups = ", ".join(f'"{group}"' for group in (*table.record, known.group))
         return f"{metric!r} is not recorded: record = [{groups}]"
-    if name == "diagnosis" and not _diagnoses(plan):
+    varied = {path for axis in plan.sweep.grid for path in axis.paths}
+    if name == "diagnosis" and not (table.identify.diagnose or "diagnose" in varied):
         return f"{metric!r} needs `diagnose = true` in [identify]"
     if known.of == "use" and of not in USES:
         return f"{metric!r}: should be {name}.identify or {name}.validate"
@@ -66,11 +65,6 @@ def _fault(plan: Plan, metric: str, joints: list[str]) -> str | None:
     if one_joint and of not in joints:
         return f"{metric!r}: should be {name}.JOINT, with one of {', '.join(joints)}"
     return None
-
-
-def _diagnoses(plan: Plan) -> bool:
-    varied = {path for axis in plan.sweep.axes if isinstance(axis, GridAxis) for path in axis.paths}
-    return plan.sweep.table.identify.diagnose or "diagnose" in varied
 
 
 @dataclass
@@ -90,22 +84,17 @@ def check_plan(plan: Plan) -> None:
     scenarios: dict[str, tuple[Run, Scenario]] = {}
     for number in _representative(plan):
         run = plan.run(number)
-        try:
+        with _about(plan, run):
             scenario = _checked(run, seen)
-        except BenchError as error:
-            raise _about(plan, run, error) from error
-        scenarios.setdefault(
-            digest([run.content.get(key) for key in ("robot", "hidden", "payloads")]), (run, scenario)
-        )
+        machine = digest([run.content.get(key) for key in ("robot", "hidden", "payloads")])
+        scenarios.setdefault(machine, (run, scenario))
     check_asked(plan, {joint for robot in seen.robots.values() for joint in robot.driven})
     _check_payloads(plan, seen.payloads)
     pairs = list(scenarios.values())
     for i in _spread(len(pairs), MOST_BUILT):
         run, scenario = pairs[i]
-        try:
+        with _about(plan, run):
             build_machine(scenario)
-        except BenchError as error:
-            raise _about(plan, run, error) from error
 
 
 def _checked(run: Run, seen: _Seen) -> Scenario:
@@ -150,9 +139,8 @@ def _check_payloads(plan: Plan, used: Collection[str]) -> None:
             head, *rest = path.split(".")
             if head == "payloads" and rest and rest[0] not in used:
                 known = ", ".join(sorted(used)) or "none"
-                raise BenchError(
-                    f"{plan.sweep.path}: axes.{axis.name}: no recording has the payload {rest[0]!r}; used: {known}"
-                )
+                where = f"{plan.sweep.path}: axes.{axis.name}"
+                raise BenchError(f"{where}: no recording has the payload {rest[0]!r}; used: {known}")
 
 
 def fixed_declarations(plan: Plan) -> list[str]:
@@ -192,6 +180,11 @@ def _spread(count: int, most: int) -> Sequence[int]:
     return sorted({int(i) for i in np.linspace(0, count - 1, min(count, most)).round()})
 
 
-def _about(plan: Plan, run: Run, error: BenchError) -> BenchError:
-    values = ", ".join(f"{name} = {value}" for name, value in run.axes.items()) or f"seed {run.seed}"
-    return BenchError(f"{plan.sweep.path}: run {run.number} ({values}): {error}")
+@contextmanager
+def _about(plan: Plan, run: Run) -> Iterator[None]:
+    """A BenchError raised inside names the run."""
+    try:
+        yield
+    except BenchError as error:
+        values = ", ".join(f"{name} = {value}" for name, value in run.axes.items()) or f"seed {run.seed}"
+        raise BenchError(f"{plan.sweep.path}: run {run.number} ({values}): {error}") from error

@@ -3,127 +3,68 @@
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Protocol
+from typing import Any
 
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    SpinnerColumn,
-    Task,
-    TextColumn,
-)
-from rich.text import Text
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
 
 from bench.studies.sweep.journal import Journal
 
 SAY_EVERY = 30.0  # s between lines if the output is not a terminal
+STYLES = (("dim", "rate"), ("cyan", "remaining"), ("red", "failed"))
 
 
-class _Rate(ProgressColumn):
-    def render(self, task: Task) -> Text:
-        """Runs per second, or per minute if they are slow."""
-        return Text(rate_text(_mean_rate(task)), "dim")
+class ShownProgress:
+    """Shows reports of finished runs: as a bar, with the phases before them, or as a line every half minute."""
 
-
-class _RunsLeft(ProgressColumn):
-    def render(self, task: Task) -> Text:
-        """Time remaining at the mean rate since the start."""
-        rate = _mean_rate(task)
-        remaining = (task.total or 0) - task.completed
-        return Text(f"{duration_text(remaining / rate)} left" if rate and remaining else "", "cyan")
-
-
-class _Failures(ProgressColumn):
-    def render(self, task: Task) -> Text:
-        """Failed runs, in red if there are any."""
-        failed = task.fields["failed"]
-        return Text(f"{failed} failed" if failed else "", "red")
-
-
-class ShownProgress(Protocol):
-    """Receives reports of finished runs, and of the phases before them."""
+    def __init__(self, console: Console, total: int, bar: Progress | None = None) -> None:
+        self._console, self._total, self._bar = console, total, bar
+        self._start = self._said = time.monotonic()
+        self._count, self._before = 0, -1
+        self._phase = "runs"
+        if bar is not None:
+            bar.add_task("runs", total=total, rate="", remaining="", failed="")
 
     def __call__(self, journal: Journal) -> None:
         """Show how many runs are finished."""
+        now, self._count = time.monotonic(), journal.count
+        if self._before < 0:
+            self._before = journal.count
+        runs, pending = journal.count - self._before, self._total - journal.count
+        rate = runs / (now - self._start) if runs > 0 and now > self._start else 0.0
+        remaining = f"{duration_text(pending / rate)} left" if rate and pending else ""
+        failed = f"{len(journal.failed)} failed" if journal.failed else ""
+        if self._bar is not None:
+            texts: dict[str, Any] = {"rate": rate_text(rate), "remaining": remaining, "failed": failed}
+            name = "runs" if runs else self._phase
+            self._bar.update(self._bar.task_ids[0], description=name, completed=journal.count, **texts)
+        elif now - self._said >= SAY_EVERY:
+            self._said = now
+            said = (f"{journal.count} of {self._total} runs", rate_text(rate), remaining, failed)
+            self._console.print(", ".join(filter(None, said)))
 
     def phase(self, name: str) -> None:
-        """Show the current phase."""
+        """Show the current phase, until the first run is finished."""
+        self._phase = name
+        if self._bar is not None and self._count == max(self._before, 0):
+            self._bar.update(self._bar.task_ids[0], description=name)
 
 
 @contextmanager
 def shown_progress(console: Console, total: int) -> Iterator[ShownProgress]:
     """A bar on a terminal, otherwise a line every half minute; nothing on a quiet console."""
     if not console.is_terminal:
-        yield _Spoken(console, total)
+        yield ShownProgress(console, total)
         return
-    columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        _Rate(),
-        _RunsLeft(),
-        _Failures(),
-    )
-    with Progress(*columns, console=console, disable=console.quiet) as progress:
-        yield _Bar(progress, total)
+    texts = [TextColumn(f"[{style}]{{task.fields[{name}]}}") for style, name in STYLES]
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), *texts)
+    with Progress(*columns, console=console, disable=console.quiet) as bar:
+        yield ShownProgress(console, total, bar)
 
 
 def progress_console(quiet: bool) -> Console:
     """Standard error, for progress bars; quiet: without output."""
-    return Console(stderr=True, quiet=quiet)
-
-
-class _Bar:
-    """A bar with the number of finished runs, or the phase before them."""
-
-    def __init__(self, progress: Progress, total: int) -> None:
-        self._progress = progress
-        self._task = progress.add_task("runs", total=total, before=None, failed=0)
-        self._phase = "runs"
-
-    def __call__(self, journal: Journal) -> None:
-        task = self._progress.tasks[0]
-        before = journal.count if task.fields["before"] is None else task.fields["before"]
-        name = self._phase if journal.count == before else "runs"
-        self._progress.update(
-            self._task, description=name, completed=journal.count, failed=len(journal.failed), before=before
-        )
-
-    def phase(self, name: str) -> None:
-        self._phase = name
-        task = self._progress.tasks[0]
-        if task.completed == (task.fields["before"] or 0):
-            self._progress.update(self._task, description=name)
-
-
-class _Spoken:
-    """Lines of text for output that is not a terminal."""
-
-    def __init__(self, console: Console, total: int) -> None:
-        self._console, self._total = console, total
-        self._start = self._said = time.monotonic()
-        self._before = -1
-
-    def __call__(self, journal: Journal) -> None:
-        now = time.monotonic()
-        if self._before < 0:
-            self._before = journal.count
-        if now - self._said < SAY_EVERY:
-            return
-        self._said = now
-        rate = _rate(journal.count - self._before, now - self._start)
-        remaining = f", {duration_text((self._total - journal.count) / rate)} left" if rate else ""
-        failed = f", {len(journal.failed)} failed" if journal.failed else ""
-        self._console.print(
-            f"{journal.count} of {self._total} runs, {rate_text(rate)}{remaining}{failed}", highlight=False
-        )
-
-    def phase(self, name: str) -> None:
-        """Not shown, since a log only lists finished runs."""
+    return Console(stderr=True, quiet=quiet, highlight=False)
 
 
 def rate_text(rate: float) -> str:
@@ -140,13 +81,3 @@ def duration_text(seconds: float) -> str:
     if seconds < 6000:
         return f"{seconds / 60:.0f} min"
     return f"{seconds / 3600:.1f} h"
-
-
-def _mean_rate(task: Task) -> float:
-    """Runs per second since the start, without runs kept from earlier."""
-    before = task.fields["before"]
-    return 0.0 if before is None else _rate(task.completed - before, task.elapsed or 0.0)
-
-
-def _rate(runs: float, seconds: float) -> float:
-    return runs / seconds if runs > 0 and seconds > 0 else 0.0

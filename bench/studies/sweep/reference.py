@@ -1,6 +1,7 @@
 """Reference scenarios, their accepted results, and the comparison of new results with these."""
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,7 +13,6 @@ from pydantic import Field
 from bench.basics.chi_squared import CONFIDENCE
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_text_atomically
-from bench.basics.versions import versions
 from bench.dataset.catalogue import catalogue_folder
 from bench.studies.sweep.metrics import is_share
 from bench.studies.sweep.plan import Plan, digest, make_plan
@@ -118,26 +118,14 @@ def measured_lines(plan: Plan, table: Path, metrics: Sequence[str]) -> dict[str,
 
 def save_reference(path: Path, reference: SweepReference) -> None:
     """Write a reference as JSON with one metric per line, so that a diff shows each change."""
-    lines = [
-        f"  {json.dumps(label)}: {{\n"
-        + ",\n".join(
-            f"    {json.dumps(name)}: {json.dumps(values)}"
-            for name, values in (
-                ("seeds", list(line.seeds)),
-                *((m, _rounded(v)) for m, v in line.values.items()),
-            )
-        )
-        + "\n  }"
+    lines = {
+        label: {"seeds": line.seeds, **{metric: _rounded(values) for metric, values in line.values.items()}}
         for label, line in reference.lines.items()
-    ]
+    }
     head = {"reason": reference.reason, "content": reference.content, "program": dict(reference.program)}
-    text = (
-        json.dumps(head, indent=1, ensure_ascii=False)[:-2]
-        + ',\n "lines": {\n'
-        + ",\n".join(lines)
-        + "\n }\n}\n"
-    )
-    write_text_atomically(path, text)
+    text = json.dumps({**head, "lines": lines}, indent=1, ensure_ascii=False)
+    text = re.sub(r"\[\n[^\]]*\]", lambda values: json.dumps(json.loads(values[0])), text)
+    write_text_atomically(path, text.replace("\n   ", "\n    ") + "\n")
 
 
 def load_reference(path: Path) -> SweepReference | None:
@@ -153,11 +141,6 @@ def load_reference(path: Path) -> SweepReference | None:
         return SweepReference(content["content"], content["reason"], content["program"], lines)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise BenchError(f"{path}: is not a reference ({type(error).__name__}: {error})") from error
-
-
-def new_reference(sweep: Sweep, lines: Mapping[str, ReferenceLine], reason: str) -> SweepReference:
-    """A reference of new results."""
-    return SweepReference(content_of(sweep), reason, versions().columns(), lines)
 
 
 def _rounded(values: Sequence[float | None]) -> list[float | None]:
@@ -209,7 +192,7 @@ def compare_line(
             old_values, new_values = [before[seed] for seed in seeds], [values[seed] for seed in seeds]
             old, mean = _mean(old_values), _mean(new_values)
             change = _change(metric, old_values, new_values, list(before.values()))
-            verdict = _verdict(change, tolerance)
+            verdict = "worse" if change > tolerance else "better" if change < -tolerance else "same"
         if limit is not None and any(value is not None and value > limit for value in values.values()):
             verdict = "over its limit"
         comparisons.append(
@@ -245,12 +228,6 @@ def _change(
     spread = float(np.std(known, ddof=1)) if len(known) > 1 else 0.0
     unit = max(spread, RELATIVE_SPREAD * float(np.abs(known).mean()), LEAST_SPREAD)
     return float((after - before).mean()) / unit
-
-
-def _verdict(change: float, tolerance: float) -> Verdict:
-    if change > tolerance:
-        return "worse"
-    return "better" if change < -tolerance else "same"
 
 
 def _mean(values: Sequence[float | None]) -> float | None:

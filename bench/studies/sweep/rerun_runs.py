@@ -44,8 +44,8 @@ def plan_of(folder: Path) -> Plan:
     return make_plan(load_sweep(folder / FILE))
 
 
-def telling_runs(folder: Path, plan: Plan, count: int = SHOWN) -> list[int]:
-    """Numbers of `count` runs, evenly spaced from the smallest to the largest value of the sweep's first metric.
+def telling_runs(folder: Path, plan: Plan) -> list[int]:
+    """Numbers of `SHOWN` runs, evenly spaced from the smallest to the largest value of the sweep's first metric.
 
     Raises BenchError for a sweep that has not ended or without a successful run.
     """
@@ -62,8 +62,7 @@ def telling_runs(folder: Path, plan: Plan, count: int = SHOWN) -> list[int]:
     if not done:
         raise BenchError(f"{folder}: no run of this sweep gave a result")
     ordered = [run for _, run in sorted(done)]
-    last = len(ordered) - 1
-    places = [round(k * last / max(count - 1, 1)) for k in range(count)]
+    places = [round(k * (len(ordered) - 1) / (SHOWN - 1)) for k in range(SHOWN)]
     return [ordered[k] for k in dict.fromkeys(places)]
 
 

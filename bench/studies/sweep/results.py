@@ -8,7 +8,7 @@ from bench.basics.files.atomic import write_text_atomically
 from bench.studies.sweep.journal import OK
 from bench.studies.sweep.plan import Plan
 from bench.studies.sweep.run_sweep import FILE, TABLE
-from bench.studies.sweep.summary import Summary, summarise, summarise_in_parts, summary_markdown
+from bench.studies.sweep.summary import Summary, summarise, summary_markdown
 from bench.studies.sweep.sweep_file import PlotTable, load_sweep
 from bench.studies.sweep.table import column_names, read_table
 
@@ -35,7 +35,7 @@ def failed_runs(table: Path) -> dict[str, list[int]]:
 
 def write_table_summary(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> tuple[Summary, Path]:
     """Write the summary of a table by some axes as Markdown next to the table; return the summary and the file."""
-    summary = summarise_in_parts(table, axes, metrics)
+    summary = summarise(table, axes, metrics, in_parts=True)
     name = " ".join(metrics) + (f" by {' '.join(axes)}" if axes else "")
     path = table.with_name(f"{_file_name(name)}.md")
     write_text_atomically(path, summary_markdown(summary))

@@ -4,6 +4,7 @@ import json
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain, groupby
 from pathlib import Path
 from typing import Any
 
@@ -49,34 +50,13 @@ class _Set:
     runs: tuple[Run, ...]
     shared: bool
 
-    @property
-    def design(self) -> str:
-        return self.runs[0].design
-
-    @property
-    def motion(self) -> str:
-        return self.runs[0].motion
-
 
 Commons = dict[str, Outcome]
 """Designs or motions by name: the value, or the reason for its failure."""
 
 
-@dataclass(frozen=True)
-class _CommonJob:
-    """A task that computes a design or a motion."""
-
-    results: Commons
-    name: str
-
-
-@dataclass(frozen=True)
-class _RunJob:
-    """A task that computes rows."""
-
-    runs: tuple[Run, ...]
-    design: Any
-    motion: Shared | None
+ReadyRuns = tuple[tuple[Run, ...], Any, Shared | None]
+"""Runs with the same equations, their design, and their motion if it is shared."""
 
 
 class Driver:
@@ -93,11 +73,11 @@ class Driver:
         self._sets = _sets(tasks)
         self._limit = max(FEWEST_AHEAD, LOOK_AHEAD * pool.slots)
         self._waiting: list[_Set] = []
-        self._ready: deque[_RunJob] = deque()
+        self._ready: deque[ReadyRuns] = deque()
         self._designs: Commons = {}
         self._motions: Commons = {}
         self._asked: dict[str, Commons] = {}
-        self._jobs: dict[int, _CommonJob | _RunJob] = {}
+        self._jobs: dict[int, Callable[[Outcome], None]] = {}  # what takes the outcome of each task
         self._running = 0
         self._next = 0
 
@@ -113,38 +93,37 @@ class Driver:
                 if following is not None and not self._placed(following):
                     self._waiting.append(following)
             while self._ready and self._running <= self._pool.slots:
-                self._submit_runs(self._ready.popleft())
+                self._submit_runs(*self._ready.popleft())
             if self._jobs:
                 phase(self._doing())
                 for outcome in self._pool.outcomes():
-                    self._take(outcome)
+                    self._jobs.pop(outcome.key)(outcome)
             report(self._journal)
 
     def _placed(self, run_set: _Set) -> bool:
         """Take the next step for a set; return whether its runs only need a free slot, or have failed."""
         first = run_set.runs[0]
         if (
-            run_set.design not in self._designs
-            and (kept := kept_design(self._folder, run_set.design)) is not None
+            first.design not in self._designs
+            and (kept := kept_design(self._folder, first.design)) is not None
         ):
-            self._designs[run_set.design] = Outcome(KEPT, kept, None)
-        design = self._designs.get(run_set.design)
+            self._designs[first.design] = Outcome(KEPT, kept, None)
+        design = self._designs.get(first.design)
         if design is None:
-            self._ask(_CommonJob(self._designs, run_set.design), lambda: self._work.design(first))
+            self._ask(self._designs, first.design, lambda: self._work.design(first))
             return False
         if design.fault is not None:
             return self._fail(run_set.runs, design.fault)
         motion = None
         if run_set.shared:
-            if run_set.motion not in self._motions:
-                job = _CommonJob(self._motions, run_set.motion)
-                self._ask(job, lambda: self._work.motion(first, design.value))
+            common = self._motions.get(first.motion)
+            if common is None:
+                self._ask(self._motions, first.motion, lambda: self._work.motion(first, design.value))
                 return False
-            common = self._motions[run_set.motion]
             if common.fault is not None:
                 return self._fail(run_set.runs, common.fault)
-            motion = Shared(run_set.motion, common.value)
-        self._ready.append(_RunJob(run_set.runs, design.value, motion))
+            motion = Shared(first.motion, common.value)
+        self._ready.append((run_set.runs, design.value, motion))
         return True
 
     def _doing(self) -> str:
@@ -153,17 +132,27 @@ class Driver:
             return "designing trajectories"
         return "simulating shared motions" if self._asked and not self._running else "runs"
 
-    def _ask(self, job: _CommonJob, task: Callable[[], Task]) -> None:
-        if job.name not in self._asked:
-            self._asked[job.name] = job.results
-            self._submit(job, task())
+    def _ask(self, results: Commons, name: str, task: Callable[[], Task]) -> None:
+        if name not in self._asked:
+            self._asked[name] = results
+            self._submit(task(), None, lambda outcome: self._take_common(results, name, outcome))
 
-    def _submit_runs(self, job: _RunJob) -> None:
+    def _submit_runs(self, runs: tuple[Run, ...], design: Any, motion: Shared | None) -> None:
+        def take(outcome: Outcome) -> None:
+            self._running -= 1
+            if outcome.fault is None:
+                self._journal.append(outcome.value)
+            elif len(runs) > 1:  # one of them fails: run each alone
+                for run in runs:
+                    self._submit_runs((run,), design, motion)
+            else:
+                self._fail(runs, outcome.fault)
+
         self._running += 1
-        self._submit(job, self._work.runs(job.runs, job.design), job.motion)
+        self._submit(self._work.runs(runs, design), motion, take)
 
-    def _submit(self, job: _CommonJob | _RunJob, task: Task, shared: Shared | None = None) -> None:
-        self._jobs[self._next] = job
+    def _submit(self, task: Task, shared: Shared | None, take: Callable[[Outcome], None]) -> None:
+        self._jobs[self._next] = take
         self._pool.submit(self._next, task, shared)
         self._next += 1
 
@@ -171,48 +160,32 @@ class Driver:
         self._journal.append([self._work.failed(run, reason) for run in runs])
         return True
 
-    def _take(self, outcome: Outcome) -> None:
-        job = self._jobs.pop(outcome.key)
-        if isinstance(job, _CommonJob):
-            self._take_common(job, outcome)
-            return
-        self._running -= 1
-        if outcome.fault is None:
-            self._journal.append(outcome.value)
-        elif len(job.runs) > 1:  # one of them fails: run each alone
-            for run in job.runs:
-                self._submit_runs(_RunJob((run,), job.design, job.motion))
-        else:
-            self._fail(job.runs, outcome.fault)
-
-    def _take_common(self, job: _CommonJob, outcome: Outcome) -> None:
+    def _take_common(self, results: Commons, name: str, outcome: Outcome) -> None:
         """Continue the sets that waited for a design or a motion, and discard those that no set waits for.
 
         Sets that share a value are adjacent, so later sets need at most the values that waiting sets need.
         """
-        del self._asked[job.name]
-        job.results[job.name] = outcome
-        if job.results is self._designs and outcome.fault is None:
-            keep_design(self._folder, job.name, outcome.value)
-        for known, needed in (
-            (self._designs, {run_set.design for run_set in self._waiting}),
-            (self._motions, {run_set.motion for run_set in self._waiting}),
-        ):
-            for name in known.keys() - needed:
-                del known[name]
+        del self._asked[name]
+        results[name] = outcome
+        if results is self._designs and outcome.fault is None:
+            keep_design(self._folder, name, outcome.value)
+        needed = {
+            key for run_set in self._waiting for key in (run_set.runs[0].design, run_set.runs[0].motion)
+        }
+        for known in (self._designs, self._motions):
+            for key in known.keys() - needed:
+                del known[key]
         self._waiting = [run_set for run_set in self._waiting if not self._placed(run_set)]
 
 
 def _sets(tasks: Iterable[tuple[Run, ...]]) -> Iterator[_Set]:
     """Sets of runs with the same equations, in order; a motion is shared if an adjacent set has the same."""
-    before, current = "", None
-    for following in tasks:
-        if current is not None:
-            yield _Set(current, current[0].motion in (before, following[0].motion))
-            before = current[0].motion
-        current = following
-    if current is not None:
-        yield _Set(current, current[0].motion == before)
+    for _, same in groupby(tasks, key=lambda runs: runs[0].motion):
+        group = iter(same)
+        first, second = next(group), next(group, None)
+        yield _Set(first, second is not None)
+        if second is not None:
+            yield from (_Set(runs, True) for runs in chain([second], group))
 
 
 def keep_design(folder: Path, name: str, trajectories: Mapping[str, FourierTrajectory]) -> None:

@@ -70,25 +70,29 @@ class Summary:
     lines: tuple[SummaryLine, ...]
 
 
-def summarise(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> Summary:
+def summarise(table: Path, axes: Sequence[str], metrics: Sequence[str], *, in_parts: bool = False) -> Summary:
     """Summary of a Parquet table of runs, a line for each combination of the axes' values.
 
+    in_parts: any columns are axes; a column of numbers is cut into 12 parts, see `SummaryPart`, if it has more than 40
+    values, or more than 12 that mostly occur once; lines are sorted by the numbers of the axes, the first axis slowest.
     Raises BenchError if a column is missing or a metric is not numeric.
     """
     columns = read_table(table, ["status", *dict.fromkeys((*axes, *metrics))])
-    return _summary(table, columns, [(axis, columns[axis]) for axis in axes], metrics)
-
-
-def summarise_in_parts(table: Path, axes: Sequence[str], metrics: Sequence[str]) -> Summary:
-    """The same with any columns as axes: a column of numbers is cut into 12 parts, see `SummaryPart`, if it has more
-    than 40 values, or more than 12 that mostly occur once.
-
-    Lines are sorted by the numbers of the axes, the first axis slowest.
-    """
-    columns = read_table(table, ["status", *dict.fromkeys((*axes, *metrics))])
-    summary = _summary(table, columns, [(axis, _in_parts(columns[axis])) for axis in axes], metrics)
-    lines = sorted(summary.lines, key=lambda line: [rank(value) for value in line.values])
-    return Summary(summary.axes, summary.metrics, tuple(lines))
+    by = [_in_parts(columns[axis]) if in_parts else columns[axis] for axis in axes]
+    ok = np.array([status == "ok" for status in columns["status"]], dtype=bool)
+    places: dict[tuple[Any, ...], list[int]] = {}
+    for i, key in enumerate(zip(*by, strict=True) if by else [()] * len(ok)):
+        places.setdefault(key, []).append(i)
+    values = {metric: _numbers(table, metric, columns[metric]) for metric in metrics}
+    lines = []
+    for key, indices in places.items():
+        rows = np.array(indices)
+        good = rows[ok[rows]]
+        spreads = {metric: spread(metric, values[metric][good]) for metric in metrics}
+        lines.append(SummaryLine(key, len(rows), len(rows) - len(good), spreads))
+    if in_parts:
+        lines.sort(key=lambda line: [rank(value) for value in line.values])
+    return Summary(tuple(axes), tuple(metrics), tuple(lines))
 
 
 def _in_parts(values: Sequence[Any]) -> list[Any]:
@@ -110,27 +114,6 @@ def rank(value: Any) -> tuple[int, float]:
     if isinstance(value, SummaryPart):
         return 0, value.middle
     return (0, float(value)) if isinstance(value, int | float) else (1, 0.0)
-
-
-def _summary(
-    table: Path,
-    columns: Mapping[str, Sequence[Any]],
-    by: Sequence[tuple[str, Sequence[Any]]],
-    metrics: Sequence[str],
-) -> Summary:
-    keys = list(zip(*(values for _, values in by), strict=True)) if by else [()] * len(columns["status"])
-    ok = np.array([status == "ok" for status in columns["status"]], dtype=bool)
-    places: dict[tuple[Any, ...], list[int]] = {}
-    for i, key in enumerate(keys):
-        places.setdefault(key, []).append(i)
-    values = {metric: _numbers(table, metric, columns[metric]) for metric in metrics}
-    lines = []
-    for key, indices in places.items():
-        rows = np.array(indices)
-        good = rows[ok[rows]]
-        spreads = {metric: spread(metric, values[metric][good]) for metric in metrics}
-        lines.append(SummaryLine(key, len(rows), int((~ok[rows]).sum()), spreads))
-    return Summary(tuple(axis for axis, _ in by), tuple(metrics), tuple(lines))
 
 
 def spread(metric: str, values: np.ndarray) -> Spread:
@@ -165,20 +148,38 @@ def print_summary(summary: Summary, console: Console) -> None:
 
     Metrics that do not fit the width of the console follow in further tables.
     """
-    axes = [_column(_short(axis, summary.axes), values) for axis, values in _axis_columns(summary)]
-    counts = [_column(name, values) for name, values in _count_columns(summary)]
-    metrics = [_column(name, values) for name, values in _metric_columns(summary)]
-    taken = sum(column.width + GAP for column in axes)
-    while metrics or counts:
-        chosen, counts = counts, []
-        width = taken + sum(column.width + GAP for column in chosen)
-        while metrics and (not chosen or width + metrics[0].width <= console.width):
+    axes = [(_short(axis, summary.axes), cells) for axis, cells in _axis_columns(summary)]
+    metrics = _metric_columns(summary)
+    chosen = _count_columns(summary)
+    while metrics or chosen:
+        while metrics and (
+            not chosen or _width([*axes, *chosen]) + _width(metrics[:1]) - GAP <= console.width
+        ):
             chosen.append(metrics.pop(0))
-            width += chosen[-1].width + GAP
-        console.print(_table(axes, chosen))
+        table = plain_table([name for name, _ in axes], [name for name, _ in chosen])
+        for row in zip(*(cells for _, cells in (*axes, *chosen)), strict=True):
+            table.add_row(*row)
+        console.print(table)
         console.print()
+        chosen = []
     if said := explanation(summary):
-        console.print(f"[dim]{said}[/]", highlight=False)
+        console.print(f"[dim]{said}[/]")
+
+
+def _width(columns: Columns) -> int:
+    return sum(max(map(len, (name, *cells))) + GAP for name, cells in columns)
+
+
+def plain_table(texts: Sequence[str], numbers: Sequence[str], *, no_wrap: bool = False) -> Table:
+    """An empty table for a terminal, with columns of texts, which wrap, and of numbers, unless `no_wrap`."""
+    table = Table(
+        box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, GAP, 0, 0), header_style="dim", show_edge=False
+    )
+    for header in texts:
+        table.add_column(header, overflow="fold")
+    for header in numbers:
+        table.add_column(header, justify="right", overflow="fold", no_wrap=no_wrap)
+    return table
 
 
 def summary_markdown(summary: Summary) -> str:
@@ -213,38 +214,11 @@ def number(value: float, digits: int = 3) -> str:
     return short if abs(float(short)) < 10**digits else f"{value:.0f}"
 
 
-@dataclass(frozen=True)
-class _Column:
-    header: str
-    values: list[str]
-    width: int
-
-
-def _column(header: str, values: list[str]) -> _Column:
-    return _Column(header, values, max(len(text) for text in (header, *values)))
-
-
-def _table(left_columns: list[_Column], right_columns: list[_Column]) -> Table:
-    table = Table(
-        box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, GAP, 0, 0), header_style="dim", show_edge=False
-    )
-    for column in left_columns:
-        table.add_column(column.header, overflow="fold")
-    for column in right_columns:
-        table.add_column(column.header, justify="right", overflow="fold")
-    for row in zip(*(column.values for column in (*left_columns, *right_columns)), strict=True):
-        table.add_row(*row)
-    return table
-
-
 def _short(axis: str, axes: Sequence[str]) -> str:
     """The last part of an axis' name if it is unambiguous, else the whole name."""
     last = axis.rpartition(".")[2]
-    return (
-        last
-        if sum(other.rpartition(".")[2] == last for other in axes) == 1 and not last.isdecimal()
-        else axis
-    )
+    alone = [other.rpartition(".")[2] for other in axes].count(last) == 1
+    return last if alone and not last.isdecimal() else axis
 
 
 def _axis_columns(summary: Summary) -> Columns:
@@ -281,7 +255,7 @@ def _cell(metric: str, spread: Spread) -> str:
 
 def table_console() -> Console:
     """Standard output, as wide as the terminal or $COLUMNS, or `WIDE` for a file or a log."""
-    console = Console()
+    console = Console(highlight=False)
     if console.is_terminal or os.environ.get("COLUMNS", "").isdecimal():
         return console
-    return Console(width=WIDE)
+    return Console(width=WIDE, highlight=False)

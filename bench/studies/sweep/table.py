@@ -1,6 +1,7 @@
 """The table of a sweep: one Parquet file with a row for each run."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from difflib import get_close_matches
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -31,7 +32,8 @@ def write_table(journal: Journal, path: Path, axes: Sequence[str], metadata: Map
         metadata={key.encode(): value.encode() for key, value in metadata.items()},
     )
     with atomic_path(path) as partial, pq.ParquetWriter(partial, schema, compression="zstd") as writer:
-        for batch in _batches(journal.rows()):
+        rows = journal.rows()
+        while batch := list(islice(rows, BATCH)):
             columns = {
                 field.name: [_cell(row.get(field.name), field.type) for row in batch] for field in schema
             }
@@ -56,7 +58,8 @@ def read_table(path: Path, columns: Sequence[str] | None = None) -> dict[str, li
         ) from error
     for name in columns or ():
         if name not in known:
-            raise BenchError(f"{path}: no column {name!r}{_nearest(name, known)}")
+            near = ", ".join(get_close_matches(name, known, 3))
+            raise BenchError(f"{path}: no column {name!r}" + (f"; did you mean {near}?" if near else ""))
     table: dict[str, list[Any]] = pq.read_table(path, columns=list(columns) if columns else None).to_pydict()
     return table
 
@@ -78,35 +81,13 @@ def _ordered(kinds: Iterable[str], axes: Sequence[str]) -> list[str]:
 
 
 def _type(kinds: set[type]) -> pa.DataType:
-    kinds = kinds - {type(None)}
-    if not kinds:
-        return pa.string()
-    if kinds == {bool}:
-        return pa.bool_()
-    if kinds == {int}:
-        return pa.int64()
-    if kinds <= {int, float}:
-        return pa.float64()
+    known = kinds - {type(None)}
+    for numbers, kind in (({bool}, pa.bool_()), ({int}, pa.int64()), ({int, float}, pa.float64())):
+        if known and known <= numbers:
+            return kind
     return pa.string()
 
 
 def _cell(value: Any, kind: pa.DataType) -> Any:
-    if value is None:
-        return None
-    if kind == pa.float64():
-        return float(value)
-    if kind == pa.string() and not isinstance(value, str):
-        return str(value)
-    return value
-
-
-def _batches(rows: Iterator[Row]) -> Iterator[list[Row]]:
-    while batch := list(islice(rows, BATCH)):
-        yield batch
-
-
-def _nearest(name: str, known: Sequence[str]) -> str:
-    from difflib import get_close_matches  # noqa: PLC0415 - only for a mistake
-
-    near = get_close_matches(name, known, 3)
-    return f"; did you mean {', '.join(near)}?" if near else ""
+    convert = {pa.float64(): float, pa.string(): str}.get(kind)
+    return value if value is None or convert is None else convert(value)

@@ -145,18 +145,11 @@ def slim(simulation: Simulation) -> Simulation:
     megabytes.
     """
     nothing = np.empty((0, 0))
+    motion: Any = dict.fromkeys(("qpos", "qvel", "qacc", "torque", "reference", "gaps"), nothing)
     recordings = tuple(
         replace(
             recording,
-            motion=replace(
-                recording.motion,
-                qpos=nothing,
-                qvel=nothing,
-                qacc=nothing,
-                torque=nothing,
-                reference=nothing,
-                gaps=nothing,
-            ),
+            motion=replace(recording.motion, **motion),
             log=replace(recording.log, time=nothing, position=nothing, current=nothing),
         )
         for recording in simulation.recordings

@@ -115,15 +115,8 @@ def draw_case(setup: Setup, kind: Kind, index: int, effects: Sequence[str] = ())
     else:
         random = _random(setup.name, kind, "", index)
         names = _drawn_set(known, KINDS[kind], random)
-    return Case(
-        kind=kind,
-        index=index,
-        hides=tuple(_hide(setup, name, random, SETS_FROM if KINDS[kind] > 1 else 0.0) for name in names),
-        noise=_even_on_log_scale(NOISE, random),
-        encoder_bits=int(random.choice(ENCODER_BITS)),
-        seed=int(random.integers(2**31)),
-        drawn_from=tuple(effects),
-    )
+    hides = [_hide(setup, name, random, SETS_FROM if KINDS[kind] > 1 else 0.0) for name in names]
+    return _case(kind, index, hides, random, effects)
 
 
 def _unknown_case(setup: Setup, index: int) -> Case:
@@ -137,14 +130,16 @@ def _unknown_case(setup: Setup, index: int) -> Case:
         KNOWN_EFFECTS[index % len(KNOWN_EFFECTS)],
         random,
     )
-    return Case(
-        kind="unknown",
-        index=index,
-        hides=(law, *(_hide(setup, name, random, SETS_FROM) for name in others)),
-        noise=_even_on_log_scale(NOISE, random),
-        encoder_bits=int(random.choice(ENCODER_BITS)),
-        seed=int(random.integers(2**31)),
-    )
+    hides = [law, *(_hide(setup, name, random, SETS_FROM) for name in others)]
+    return _case("unknown", index, hides, random)
+
+
+def _case(
+    kind: Kind, index: int, hides: Sequence[Hide], random: np.random.Generator, effects: Sequence[str] = ()
+) -> Case:
+    """The case with its noise, encoders and seed."""
+    noise, bits = _even_on_log_scale(NOISE, random), int(random.choice(ENCODER_BITS))
+    return Case(kind, index, tuple(hides), noise, bits, int(random.integers(2**31)), tuple(effects))
 
 
 def _random(robot: str, kind: str, effect: str, seed: int) -> np.random.Generator:

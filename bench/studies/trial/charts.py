@@ -16,7 +16,7 @@ from bench.document.typeset import effect_name
 from bench.studies.sweep.journal import Row
 from bench.studies.trial.markdown import size_text
 from bench.studies.trial.summary import A_LAW, LARGE, NOTHING, SOMETHING, TrialSummary
-from bench.studies.trial.target import FLOOR_FACTOR, Share
+from bench.studies.trial.target import FLOOR_FACTOR, Share, ends_of
 
 CELL, SIZE = 0.26, (6.4, 3.8)  # inches
 LETTERS = 14  # characters of a class per line
@@ -70,15 +70,8 @@ def misses_chart(summary: TrialSummary) -> Chart:
 
 def coverage_chart(summary: TrialSummary) -> Chart:
     """Share of the 95 % intervals that contain the truth, for each parameter."""
-    within = [covered.within for covered in summary.coverage]
-    shares = Spans(
-        "share, with its 95 % interval",
-        "after",
-        np.arange(len(within)),
-        np.array([share.value for share in within]),
-        np.array([share.interval[0] for share in within]),
-        np.array([share.interval[1] for share in within]),
-    )
+    ends = ends_of(covered.within for covered in summary.coverage)
+    shares = Spans("share, with its 95 % interval", "after", np.arange(len(summary.coverage)), *ends)
     rule = Rule("95 %", "noise", "x", CONFIDENCE, dashed=True)
     names = tuple(
         f"{effect_name(covered.effect)} {covered.parameter} ({covered.within.of})"
@@ -123,11 +116,8 @@ def errors_chart(rows: Sequence[Row]) -> Chart | None:
 
 
 def _missed(name: str, role: Role, shift: float, shares: Sequence[Share]) -> Whiskers:
-    at = np.arange(len(shares)) + shift
-    share = np.array([1.0 - each.value for each in shares])
-    low = np.array([1.0 - each.interval[1] for each in shares])
-    high = np.array([1.0 - each.interval[0] for each in shares])
-    return Whiskers(name, role, at, share, low, high, joined=False)
+    share, high, low = 1.0 - ends_of(shares)
+    return Whiskers(name, role, np.arange(len(shares)) + shift, share, low, high, joined=False)
 
 
 def write_trial_figures(summary: TrialSummary, rows: Sequence[Row], folder: Path) -> list[Path]:

@@ -29,26 +29,6 @@ from bench.studies.trial.setup import Setup, make_setup
 from bench.studies.trial.summary import TrialSummary, summarised
 from bench.studies.trial.unknown_page import unknown_table, write_unknown
 
-ALL = "all effects"
-
-
-def check_numbers(rows: Sequence[Row]) -> None:
-    """Raise BenchError if two rows of the same kind, drawn from the same effects, have the same number.
-
-    The dataset of a number depends on the effects that are drawn from, see `--effects`. Older rows without this
-    information count as drawn from all.
-    """
-    taken: set[tuple[str, str, int]] = set()
-    for row in rows:
-        drawn_from = row.get("drawn_from") or ""
-        number = row["kind"], drawn_from, row["run"]
-        if number in taken:
-            raise BenchError(
-                f"trial: two rows of kind {row['kind']!r}, drawn from {drawn_from or ALL}, have the number "
-                f"{row['run']}: they are of two trials, which a table cannot distinguish"
-            )
-        taken.add(number)
-
 
 @dataclass(frozen=True)
 class Drawn:
@@ -91,9 +71,7 @@ def run_command(
 
         def progress(plan: TrialPlan) -> Report:
             stack.close()  # the bar of the previous kind
-            console.print(
-                f"[bold]{setup.name}[/], {plan.kind}: {plural(plan.size, 'dataset')}", highlight=False
-            )
+            console.print(f"[bold]{setup.name}[/], {plan.kind}: {plural(plan.size, 'dataset')}")
             shown.append(stack.enter_context(shown_progress(bars, plan.size)))
             return shown[-1]
 
@@ -112,27 +90,21 @@ def run_command(
     if unknown:
         nothing = [row for row in rows if row["kind"] == "nothing"]
         console.print(printed(unknown_table(unknown, nothing), min(console.width, TEXT.width)))
-    console.print(
-        f"\n{plural(len(rows), 'dataset')} in {duration_text(time.monotonic() - start)}", highlight=False
-    )
+    console.print(f"\n{plural(len(rows), 'dataset')} in {duration_text(time.monotonic() - start)}")
     for path in paths:
-        console.print(str(path), highlight=False, soft_wrap=True)
+        console.print(str(path), soft_wrap=True)
     if not rows or any(row["status"] == "ok" for row in rows):
         return 0
     reason = max(summary.failed, key=lambda text: summary.failed[text])
     said = f"bench: all {plural(len(rows), 'dataset')} came to nothing: {reason}"
-    Console(stderr=True).print(said, markup=False, highlight=False, soft_wrap=True)
+    Console(stderr=True, highlight=False).print(said, markup=False, soft_wrap=True)
     return 1
 
 
 def write_results(
     robot: str, rows: Sequence[Row], folder: Path, seconds: float
 ) -> tuple[TrialSummary, list[Path]]:
-    """Write ROBOT.parquet, ROBOT.md and the figures; returns the summary and the files.
-
-    Raises BenchError if two rows have the same number.
-    """
-    check_numbers(rows)
+    """Write ROBOT.parquet, ROBOT.md and the figures; returns the summary and the files."""
     unknown = [row for row in rows if row["kind"] == "unknown"]
     rows = [row for row in rows if row["kind"] != "unknown"]
     nothing = [row for row in rows if row["kind"] == "nothing"]
@@ -156,11 +128,7 @@ def show(summary: TrialSummary, console: Console) -> None:
         console.print(Text(part.title, "bold"))
         console.print(printed(part.table, width), width=width)
         if summary.small and i == 0:
-            few = (
-                "this is not so in 1 case"
-                if summary.small == 1
-                else f"this is not so in {summary.small} cases"
-            )
+            few = f"this is not so in {plural(summary.small, 'case')}"
             console.print(Text(f"{COUNTED[:-1]}; {few}.", "dim"), width=width)
         console.print()
 

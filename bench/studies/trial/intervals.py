@@ -12,6 +12,7 @@ from bench.identification.summary import ROBOT
 from bench.studies.trial.realise import Entry, hidden_places
 from bench.studies.trial.setup import Setup, where
 from bench.truth.hidden import HIDDEN_EFFECTS
+from bench.truth.hidden.base import rms
 from bench.truth.simulate import Simulation
 
 True_ = Mapping[str, float]
@@ -99,23 +100,14 @@ def moving_alike(simulation: Simulation, joints: Sequence[str]) -> dict[str, str
     The motors see only the sum of the friction in such joints.
     """
     model = simulation.machine.models[None]
-    rates = {
-        joint: np.concatenate(
-            [
-                recording.motion.qvel[:, int(model.joint(joint).dofadr[0])]
-                for recording in simulation.recordings
-            ]
-        )
-        for joint in joints
-    }
+    every = np.concatenate([recording.motion.qvel for recording in simulation.recordings])
+    rates = {joint: every[:, int(model.joint(joint).dofadr[0])] for joint in joints}
 
     def alike(a: str, b: str) -> bool:
-        nearer = min(_rms(rates[a] - rates[b]), _rms(rates[a] + rates[b]))
-        return nearer <= SAME * _rms(rates[b])
+        nearer = min(rms(rates[a] - rates[b]), rms(rates[a] + rates[b]))
+        return a == b or nearer <= SAME * rms(rates[b])
 
-    return {
-        joint: next(first for first in joints if first == joint or alike(first, joint)) for joint in joints
-    }
+    return {joint: next(first for first in joints if alike(first, joint)) for joint in joints}
 
 
 def intervals(
@@ -132,10 +124,9 @@ def intervals(
             true[key] = true.get(key, 0.0) + value if where(effect) == "passive" else value
     rows: list[Mapping[str, Any]] = []
     for effect in dict.fromkeys(effect for effect, _, _ in true):
-        places = result.effect_parameters.get(effect, {})
-        for place, values in places.items():
+        for place, values in result.effect_parameters.get(effect, {}).items():
+            at = "" if place == ROBOT else place
             for name, quantity in values.items():
-                at = "" if place == ROBOT else place
                 truth = true.get((effect, alike.get(at, at) if where(effect) == "passive" else at, name))
                 if truth is not None and 0 < quantity.std < np.inf:
                     rows.append(
@@ -143,7 +134,3 @@ def intervals(
                         | {"truth": truth, "value": quantity.value, "std": quantity.std}
                     )
     return rows
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2)))

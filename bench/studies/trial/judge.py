@@ -17,7 +17,7 @@ from bench.identification.prepare import Prepared, with_effects
 from bench.identification.standstill import interpolated
 from bench.signals.decimation import decimate
 from bench.studies.sweep.journal import Row
-from bench.studies.trial.compatible import COMPANIONS, optional
+from bench.studies.trial.compatible import expected, optional
 from bench.studies.trial.unknown import LAW, TORQUES, named_parts
 from bench.truth.hidden.laws.product_law import unit_torque
 from bench.truth.simulate import Simulation
@@ -53,52 +53,34 @@ class Judgement:
 
 def judgement_of(
     drawn: Collection[str],
-    expected: Collection[str],
+    wanted: Collection[str],
     missing: Sequence[Named],
     parts: Collection[str] = frozenset(),
 ) -> Judgement:
     """Compare a diagnosis (`missing`, strongest first) with the truth.
 
-    drawn: hidden effects; expected: these with their companions, which count in sets, but not as the first. parts:
+    drawn: hidden effects; wanted: these with their companions, which count in sets, but not as the first. parts:
     effects that are part of an unnamed hidden law. Effects that are part of a hidden one do not affect the score.
     """
-    companions = {name for effect in drawn for name in COMPANIONS.get(effect, ())} - set(drawn)
-    aside = (optional(drawn) | set(parts)) - set(expected)
+    companions = set(expected(drawn)) - set(drawn)
+    aside = (optional(drawn) | set(parts)) - set(wanted)
     missing = [named for named in missing if named.effect not in aside]
     leading = next((named for named in missing if named.effect not in companions), None)
     return Judgement(
         first=leading is not None and leading.effect in drawn,
         first_undecided=leading is not None and any(leading.may_be(effect) for effect in drawn),
-        exact={named.effect for named in missing} == set(expected),
-        exact_undecided=_matches(missing, tuple(expected)),
+        exact={named.effect for named in missing} == set(wanted),
+        exact_undecided=_matches(missing, tuple(wanted)),
         wrong=tuple(
-            named.effect for named in missing if named.effect not in expected and named.verdict == "missing"
+            named.effect for named in missing if named.effect not in wanted and named.verdict == "missing"
         ),
     )
 
 
-def _matches(missing: Sequence[Named], expected: Sequence[str]) -> bool:
+def _matches(missing: Sequence[Named], wanted: Sequence[str]) -> bool:
     """Whether the named effects can be matched one to one with the hidden ones."""
-    if len(missing) != len(expected):
-        return False
-    return any(
-        all(named.may_be(effect) for named, effect in zip(missing, order, strict=True))
-        for order in permutations(expected)
-    )
-
-
-def named_from(verdicts: Sequence[Mapping[str, object]]) -> list[Named]:
-    """Named effects from their plain form: effect, verdict, alternatives."""
-    return [
-        Named(
-            str(verdict["effect"]), str(verdict["verdict"]), tuple(map(str, _texts(verdict["alternatives"])))
-        )
-        for verdict in verdicts
-    ]
-
-
-def _texts(value: object) -> Sequence[object]:
-    return value if isinstance(value, list | tuple) else ()
+    orders = permutations(wanted) if len(missing) == len(wanted) else ()
+    return any(all(map(Named.may_be, missing, order)) for order in orders)
 
 
 VARIABLES = {
@@ -204,22 +186,17 @@ def _true_torques(
     motion, and time (N,), s.
     """
     _, numbers = _hidden_law(simulation)
-    motion = next(
-        recording.motion for recording in simulation.recordings if recording.name == Path(name).stem
-    )
-    machine = simulation.machine
+    motions = {recording.name: recording.motion for recording in simulation.recordings}
+    motion, machine = motions[Path(name).stem], simulation.machine
     torque = motion.torque[:, motor]
     dof = machine.dofs[motor]
     position, velocity = motion.qpos[:, machine.addresses[motor]], motion.qvel[:, dof]
     others = motion.torque.sum(axis=1) - torque
     unit = unit_torque(numbers, position, velocity, motion.qacc[:, dof], torque, others, motion.time)
     known = np.zeros(len(torque))
-    for hidden_effect in simulation.scenario.settings.hidden:
-        if hidden_effect.effect not in (LAW, *but) and hidden_effect.joint in (
-            None,
-            simulation.robot.joints[motor],
-        ):
-            known += TORQUES[hidden_effect.effect](hidden_effect.parameters, position, velocity)
+    for hidden in simulation.scenario.settings.hidden:
+        if hidden.effect not in (LAW, *but) and hidden.joint in (None, simulation.robot.joints[motor]):
+            known += TORQUES[hidden.effect](hidden.parameters, position, velocity)
     return numbers["c"] * unit, known, motion.time
 
 

@@ -1,18 +1,14 @@
 """The results of a trial as tables and as a page in Markdown."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 from bench.document import numbers
 from bench.document.markdown.tables import markdown
-from bench.document.table import Column, Table
+from bench.document.table import Column, Mark, Table
 from bench.effects.display_names import spoken
-from bench.studies.trial.summary import (
-    LARGE,
-    NOTHING,
-    Miss,
-    TrialSummary,
-)
+from bench.studies.trial.summary import LARGE, NOTHING, Miss, TrialSummary
 from bench.studies.trial.target import Attained, Share, Target
 
 COUNTED = (
@@ -22,6 +18,7 @@ COUNTED = (
 
 ANOTHER = 100.0  # standard errors: beyond, the fit ended at another solution, and the distance is meaningless
 
+HIDDEN, CASES = Column("hidden", (), "effect"), Column("cases", (), "number")
 FOLDED = frozenset({"figure", "must be", "kept"})  # columns that may wrap
 
 
@@ -48,16 +45,26 @@ def parts(summary: TrialSummary) -> list[MarkdownPart]:
     return [part for part in rendered if part.table.columns[0].cells]
 
 
+def table_of(heads: Sequence[Column], rows: Iterable[Sequence[Any]], marks: Sequence[Mark] = ()) -> Table:
+    """A table from its columns without cells and from rows of cells."""
+    columns = list(zip(*rows, strict=True)) or [()] * len(heads)
+    return Table(
+        tuple(replace(head, cells=cells) for head, cells in zip(heads, columns, strict=True)), tuple(marks)
+    )
+
+
+def right(header: str) -> Column:
+    """A column of texts at the right."""
+    return Column(header, (), "number", format="s")
+
+
 def targets_table(summary: TrialSummary) -> Table:
     """Every figure with cases and its bound; in bold if the bound is certainly missed."""
     tried = [target for target in summary.targets if target.reached is not None]
     heads = ("figure", "reached", "must be", "kept", "cases", "95 % interval")
-    cells = zip(*map(target_cells, tried), strict=True) if tried else [()] * len(heads)
-    columns = tuple(
-        Column(head, cell, "sentence" if head in FOLDED else "text")
-        for head, cell in zip(heads, cells, strict=True)
-    )
-    return Table(columns, tuple("strong" if target.kept is Attained.NO else "" for target in tried))
+    columns = [Column(head, (), "sentence" if head in FOLDED else "text") for head in heads]
+    marks: list[Mark] = ["strong" if target.kept is Attained.NO else "" for target in tried]
+    return table_of(columns, map(target_cells, tried), marks)
 
 
 def confusion_table(summary: TrialSummary) -> Table:
@@ -68,63 +75,36 @@ def confusion_table(summary: TrialSummary) -> Table:
         first = f"nothing named: {percent(first_named)}" if hidden == NOTHING else percent(first_named)
         others = ", ".join(f"{spoken(name)} {n}" for name, n in named.items() if name != hidden)
         rows.append((hidden, first_named.of, first, others, summary.undecided.get(hidden) or ""))
-    effects, cases, named_first, instead, undecided = zip(*rows, strict=True) if rows else ((),) * 5
-    return Table(
-        (
-            Column("hidden", effects, "effect"),
-            Column("cases", cases, "number"),
-            Column("named first", named_first, "number", format="s"),
-            Column("named instead", instead, "sentence"),
-            Column("openly undecided", undecided, "number"),
-        )
-    )
+    instead, undecided = Column("named instead", (), "sentence"), Column("openly undecided", (), "number")
+    return table_of([HIDDEN, CASES, right("named first"), instead, undecided], rows)
 
 
 def absorbed_table(summary: TrialSummary) -> Table:
     """Absorbed effects, and the number of cases in which nothing else was named."""
-    return Table(
-        (
-            Column("hidden", list(summary.absorbed), "effect"),
-            Column("cases", [share.of for share in summary.absorbed.values()], "number"),
-            Column("nothing else named", [share.count for share in summary.absorbed.values()], "number"),
-        )
-    )
+    rows = [(name, share.of, share.count) for name, share in summary.absorbed.items()]
+    return table_of([HIDDEN, CASES, Column("nothing else named", (), "number")], rows)
 
 
 def misses_table(summary: TrialSummary) -> Table:
     """Share of effects named first, by class of their error; classes without a case are omitted."""
-    tried = [miss for miss in summary.misses if miss.first.of]
-    return Table(
-        (
-            Column("error of the effect / noise floor", [size_text(miss) for miss in tried]),
-            Column("cases", [miss.first.of for miss in tried], "number"),
-            Column("named first", [percent(miss.first) for miss in tried], "number", format="s"),
-            Column("or undecided", [percent(miss.first_undecided) for miss in tried], "number", format="s"),
-        )
-    )
+    rows = [
+        (size_text(miss), miss.first.of, percent(miss.first), percent(miss.first_undecided))
+        for miss in summary.misses
+        if miss.first.of
+    ]
+    size = Column("error of the effect / noise floor", ())
+    return table_of([size, CASES, right("named first"), right("or undecided")], rows)
 
 
 def coverage_table(summary: TrialSummary) -> Table:
     """Share of the intervals of every parameter that contain the truth."""
-    return Table(
-        (
-            Column("effect", [coverage.effect for coverage in summary.coverage], "effect"),
-            Column("parameter", [coverage.parameter for coverage in summary.coverage]),
-            Column("intervals", [coverage.within.of for coverage in summary.coverage], "number"),
-            Column(
-                "hold the truth",
-                [percent(coverage.within) for coverage in summary.coverage],
-                "number",
-                format="s",
-            ),
-            Column(
-                "median error / std (expected: 0.67)",
-                [deviation_text(coverage.deviation) for coverage in summary.coverage],
-                "number",
-                format="s",
-            ),
-        )
-    )
+    rows = [
+        (each.effect, each.parameter, each.within.of, percent(each.within), deviation_text(each.deviation))
+        for each in summary.coverage
+    ]
+    heads = [Column("effect", (), "effect"), Column("parameter", ()), Column("intervals", (), "number")]
+    heads += [right("hold the truth"), right("median error / std (expected: 0.67)")]
+    return table_of(heads, rows)
 
 
 def deviation_text(deviation: float) -> str:
@@ -135,12 +115,7 @@ def deviation_text(deviation: float) -> str:
 def failures_table(summary: TrialSummary) -> Table:
     """Reasons of failed cases, the most frequent first."""
     ranked = sorted(summary.failed.items(), key=lambda pair: -pair[1])
-    return Table(
-        (
-            Column("reason", [reason for reason, _ in ranked], "sentence"),
-            Column("cases", [count for _, count in ranked], "number"),
-        )
-    )
+    return table_of([Column("reason", (), "sentence"), CASES], ranked)
 
 
 def trial_markdown(summary: TrialSummary, notes: Mapping[str, str], pictures: Sequence[str] = ()) -> str:
@@ -158,30 +133,21 @@ def trial_markdown(summary: TrialSummary, notes: Mapping[str, str], pictures: Se
 
 def target_cells(target: Target) -> tuple[str, str, str, str, str, str]:
     """Name, value, bound, whether the bound is kept, cases, interval."""
-    bounds = []
-    kept = "" if target.kept is None else target.kept.value
-    value = f"{100.0 * target.value:.1f} %" if target.share else f"{target.value:.4g}"
-    if target.figure.relative:
-        value = numbers.percent(target.value)
-    for word, bound in (("at least", target.least), ("at most", target.most)):
-        if bound is not None:
-            bounds.append(
-                f"{word} {100.0 * bound:.0f} %" if target.share and bound < 1 else f"{word} {bound:g}"
-            )
-    name = target.figure.words if target.figure.main else f"– {target.figure.words}"
-    if target.share is None:
-        return name, value, " and ".join(bounds), kept, "", ""
-    if not target.share.of:
-        return name, "", " and ".join(bounds), "", "0", ""
-    low, high = target.share.interval
-    return (
-        name,
-        value,
-        " and ".join(bounds),
-        kept,
-        str(target.share.of),
-        f"{100.0 * low:.1f} % to {100.0 * high:.1f} %",
+    share, figure = target.share, target.figure
+    bound = " and ".join(
+        f"{word} {100.0 * limit:.0f} %" if share and limit < 1 else f"{word} {limit:g}"
+        for word, limit in (("at least", target.least), ("at most", target.most))
+        if limit is not None
     )
+    name = figure.words if figure.main else f"– {figure.words}"
+    kept = "" if target.kept is None else target.kept.value
+    if share is None:
+        value = numbers.percent(target.value) if figure.relative else f"{target.value:.4g}"
+        return name, value, bound, kept, "", ""
+    if not share.of:
+        return name, "", bound, "", "0", ""
+    interval = " to ".join(f"{100.0 * end:.1f} %" for end in share.interval)
+    return name, f"{100.0 * target.value:.1f} %", bound, kept, str(share.of), interval
 
 
 def size_text(miss: Miss) -> str:

@@ -1,7 +1,7 @@
 """Run the cases of a trial and store their rows."""
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, ExitStack, closing
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -69,10 +69,10 @@ def run_trial(
     return read_rows(folder)
 
 
-def read_rows(folder: Path, kinds: Sequence[Kind] = tuple(KINDS)) -> list[Row]:
+def read_rows(folder: Path) -> list[Row]:
     """The rows of all finished cases, by kind and number."""
     rows: list[Row] = []
-    for kind in kinds:
+    for kind in KINDS:
         path = _journal_path(folder, kind)
         if path.is_file():
             with closing(Journal(path, _rows_there(folder, kind))) as journal:

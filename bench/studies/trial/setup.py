@@ -1,6 +1,6 @@
 """The robot of a trial: its motions, and the effects that can be hidden in it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -11,7 +11,7 @@ from bench.basics.errors import BenchError
 from bench.basics.joint_units import units_of_gain
 from bench.dataset.catalogue import built_in_scenarios
 from bench.dataset.robot import Robot, load_robot
-from bench.effects import CATALOGUE, Effect, places_in
+from bench.effects import CATALOGUE, places_in
 from bench.effects.body_length import lengths
 from bench.effects.places import Places
 from bench.model.geometry import read_geometry
@@ -92,18 +92,8 @@ def make_setup(robot: str, scenario: str | None = None, duration: float | None =
         and not np.allclose(reach_of(model, joint.name, description.tool_site), 0.0)
     }
     setup = Setup(description.name, content, description.joints, places.passive, links, places.payload, ())
-    names = tuple(
-        name
-        for name in HIDDEN_EFFECTS
-        if _possible(setup, name, description)
-        and (name not in CATALOGUE or _everywhere(places, CATALOGUE[name]))
-    )
+    names = tuple(name for name in HIDDEN_EFFECTS if _possible(setup, name, description, places))
     return replace(setup, effects=names)
-
-
-def _everywhere(places: Places, effect: Effect) -> bool:
-    """Whether a model can have the effect in all passive joints, if it is one of bearings."""
-    return effect.place != "bearing" or places.bearing == places.passive
 
 
 def where(effect: str) -> Where:
@@ -116,32 +106,27 @@ def where(effect: str) -> Where:
     return "passive" if kind.where == "passive" else "actuated"
 
 
-def _possible(setup: Setup, effect: str, robot: Robot) -> bool:
-    if effect == LAW:
-        return False  # drawn with its numbers, see bench.studies.trial.unknown
-    if HIDDEN_EFFECTS[effect].in_catalogue and effect not in CATALOGUE:
-        return False
-    needs = HIDDEN_EFFECTS[effect].needs
-    there = {
-        "payload": bool(setup.payloads),
+def _possible(setup: Setup, effect: str, robot: Robot, places: Places) -> bool:
+    kind = HIDDEN_EFFECTS[effect]
+    if effect == LAW or (kind.in_catalogue and effect not in CATALOGUE):
+        return False  # a law is drawn with its numbers, see bench.studies.trial.unknown
+    if effect in CATALOGUE and CATALOGUE[effect].place == "bearing" and places.bearing != places.passive:
+        return False  # a model cannot have it in all passive joints
+    needed: Mapping[str, Any] = {
+        "payload": setup.payloads,
         "tool": robot.tool_site is not None,
-        "motors": len(setup.motors) > 1,
-    }
-    if needs is not None:
-        return there[needs]
-    candidates: Sequence[str] = {
+        "motors": setup.motors[1:],
         "passive": setup.passive,
-        "link": tuple(setup.links),
+        "link": setup.links,
         "actuated": setup.motors,
-    }.get(where(effect), ("",))
-    return bool(candidates)
+        "machine": True,
+    }
+    return bool(needed[kind.needs or where(effect)])
 
 
 def _plain_content(robot: Robot) -> dict[str, Any]:
     """The content of a scenario with motions about the home pose."""
-    model = robot.mjcf_model()
-    slides = [not units_of_gain(a.gain_unit).rotates for a in robot.actuators]
-    if any(slides):
+    if not all(units_of_gain(motor.gain_unit).rotates for motor in robot.actuators):
         raise BenchError(
             f"trial: robot {robot.name!r} has slide joints: give its motions with --scenario FILE"
         )
@@ -160,7 +145,7 @@ def _plain_content(robot: Robot) -> dict[str, Any]:
         | ({"payload": "block"} if loaded and name.startswith("loaded") else {})
         for i, (name, use) in enumerate(MOVEMENTS)
     ]
-    mass = PAYLOAD_SHARE * float(model.body_mass.sum())
+    mass = PAYLOAD_SHARE * float(robot.mjcf_model().body_mass.sum())
     content: dict[str, Any] = {
         "sensors": {"encoder_bits": 20, "current_noise_ratio": 0.01},
         "design": design,

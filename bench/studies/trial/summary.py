@@ -5,6 +5,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,16 @@ import numpy as np
 from bench.basics.chi_squared import WITHIN_95
 from bench.effects import CATALOGUE
 from bench.studies.sweep.journal import Row, names_in
-from bench.studies.trial.compatible import COMPANIONS, optional
-from bench.studies.trial.target import FLOOR_FACTOR, GAIN_FACTOR, LAW_FACTOR, Share, Target, TargetFigure
+from bench.studies.trial.compatible import expected, optional
+from bench.studies.trial.target import (
+    FLOOR_FACTOR,
+    GAIN_FACTOR,
+    LAW_FACTOR,
+    Share,
+    Target,
+    TargetFigure,
+    share_of,
+)
 
 LARGE = 3.0
 """Times the noise floor: least error of each hidden effect for a case to count."""
@@ -31,8 +40,7 @@ def placed(rows: Sequence[Row]) -> Share:
     rows: cases with effects of the catalogue. A motor too many or too few counts as wrong. Effects of passive joints,
     bodies, payloads and the whole robot do not count, since the motors listed for them only show the effect.
     """
-    right = [named == hidden for row in rows for hidden, named in _at_motors(row)]
-    return Share(sum(right), len(right))
+    return share_of([pair for row in rows for pair in _at_motors(row)], lambda pair: pair[0] == pair[1])
 
 
 def _at_motors(row: Row) -> Iterator[tuple[set[str], set[str]]]:
@@ -109,7 +117,9 @@ def summarised(robot: str, rows: Sequence[Row]) -> TrialSummary:
             if row["kind"] == "one" and row["first_undecided"] and not row["first"]
         ),
         absorbed={
-            name: Share(*_named_absorbed(name, absorbing))
+            name: share_of(
+                [row for row in absorbing if row["hidden"] == name], lambda row: not row["missing"]
+            )
             for name in sorted({row["hidden"] for row in absorbing})
         },
         misses=_misses([row for row in seen if row["kind"] == "one"]),
@@ -122,9 +132,8 @@ def first_named(row: Row) -> str:
     or NOTHING.
     """
     drawn = names_in(row["hidden"])
-    companions = {name for effect in drawn for name in COMPANIONS.get(effect, ())} | optional(drawn)
-    companions -= set(drawn)
-    names = [name for name in names_in(row["missing"]) if name not in companions]
+    aside = {*expected(drawn), *optional(drawn)} - set(drawn)
+    names = [name for name in names_in(row["missing"]) if name not in aside]
     if names:
         return names[0]
     return A_LAW if _laws(row) else SOMETHING if row["unexplained"] else NOTHING
@@ -135,26 +144,31 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
         return [row for row in rows if row["kind"] == kind]
 
     def share(
-        figure: TargetFigure, rows: Sequence[Row], test: Callable[[Row], bool], **bounds: float | None
+        figure: TargetFigure,
+        rows: Sequence[Row],
+        test: Callable[[Row], object],
+        *,
+        least: float | None = None,
+        most: float | None = None,
     ) -> Target:
-        count = Share(sum(test(row) for row in rows), len(rows))
-        return Target(figure, count.value, bounds.get("least"), bounds.get("most"), count)
+        count = share_of(rows, test)
+        return Target(figure, count.value, least, most, count)
 
     hiding = [row for row in large if row["kind"] != "outside"]
     places = placed(hiding)
     searched = [row for row in of("outside") if row.get("laws") is not None]  # older trials lack the column
     targets = [
-        share(TargetFigure.ONE_FIRST, of("one"), lambda r: r["first"], least=0.95),
-        share(TargetFigure.ONE_UNDECIDED, of("one"), lambda r: r["first_undecided"]),
-        share(TargetFigure.TWO_EXACT, of("two"), lambda r: r["exact"], least=0.85),
-        share(TargetFigure.TWO_UNDECIDED, of("two"), lambda r: r["exact_undecided"]),
-        share(TargetFigure.THREE_EXACT, of("three"), lambda r: r["exact"], least=0.70),
-        share(TargetFigure.THREE_UNDECIDED, of("three"), lambda r: r["exact_undecided"]),
+        share(TargetFigure.ONE_FIRST, of("one"), itemgetter("first"), least=0.95),
+        share(TargetFigure.ONE_UNDECIDED, of("one"), itemgetter("first_undecided")),
+        share(TargetFigure.TWO_EXACT, of("two"), itemgetter("exact"), least=0.85),
+        share(TargetFigure.TWO_UNDECIDED, of("two"), itemgetter("exact_undecided")),
+        share(TargetFigure.THREE_EXACT, of("three"), itemgetter("exact"), least=0.70),
+        share(TargetFigure.THREE_UNDECIDED, of("three"), itemgetter("exact_undecided")),
         Target(TargetFigure.PLACES, places.value, None, None, places),
         share(TargetFigure.ALARM, of("nothing", done), alarm, most=0.02),
-        share(TargetFigure.ALARM_NAMED, of("nothing", done), lambda r: bool(r["missing"])),
+        share(TargetFigure.ALARM_NAMED, of("nothing", done), itemgetter("missing")),
         share(TargetFigure.OUTSIDE_HONEST, of("outside"), honest, least=0.90),
-        share(TargetFigure.OUTSIDE_UNEXPLAINED, of("outside"), lambda r: r["unexplained"]),
+        share(TargetFigure.OUTSIDE_UNEXPLAINED, of("outside"), itemgetter("unexplained")),
         share(TargetFigure.OUTSIDE_LAW, searched, _law_at_floor),
         share(TargetFigure.OUTSIDE_NO_WRONG_NAME, of("outside"), lambda r: not r["wrong"]),
     ]
@@ -167,10 +181,8 @@ def _targets(done: Sequence[Row], large: Sequence[Row]) -> tuple[Target, ...]:
     targets.append(
         share(TargetFigure.FLOOR_WITHIN_TOLD, hiding, lambda r: r["error_over_floor.told"] <= FLOOR_FACTOR)
     )
-    held = [
-        interval for row in hiding if row["exact"] for interval in map(_holds, json.loads(row["intervals"]))
-    ]
-    within = Share(sum(held), len(held))
+    exact = (row for row in hiding if row["exact"])
+    within = share_of((interval for row in exact for interval in json.loads(row["intervals"])), _holds)
     targets.append(Target(TargetFigure.INTERVALS, within.value, 0.88, 0.99, within))
     return tuple(targets)
 
@@ -182,9 +194,7 @@ def _gain_targets(rows: Sequence[Row]) -> list[Target]:
     median = _median([row["gain_error.after"] for row in rows]) / _median(
         [row["gain_error.told"] for row in rows]
     )
-    near = Share(
-        sum(row["gain_error.after"] <= GAIN_FACTOR * row["gain_error.told"] for row in rows), len(rows)
-    )
+    near = share_of(rows, lambda row: row["gain_error.after"] <= GAIN_FACTOR * row["gain_error.told"])
     return [
         Target(TargetFigure.GAIN_ERROR_MEDIANS, median, None, GAIN_FACTOR),
         Target(TargetFigure.GAIN_ERROR_RMS, after / informed if informed else float("nan"), None, None),
@@ -223,23 +233,12 @@ def _confusion(alone: Sequence[Row], done: Sequence[Row]) -> dict[str, dict[str,
     return {hidden: dict(named.most_common()) for hidden, named in counts.items()}
 
 
-def _named_absorbed(name: str, rows: Sequence[Row]) -> tuple[int, int]:
-    of_effect = [row for row in rows if row["hidden"] == name]
-    return sum(not row["missing"] for row in of_effect), len(of_effect)
-
-
 def _misses(rows: Sequence[Row]) -> tuple[Miss, ...]:
     misses = []
     for above, below in pairwise(SIZES):
         within = [row for row in rows if above <= row["least_own_error_over_floor"] < below]
-        misses.append(
-            Miss(
-                above,
-                below,
-                Share(sum(row["first"] for row in within), len(within)),
-                Share(sum(row["first_undecided"] for row in within), len(within)),
-            )
-        )
+        first, undecided = (share_of(within, itemgetter(name)) for name in ("first", "first_undecided"))
+        misses.append(Miss(above, below, first, undecided))
     return tuple(misses)
 
 
@@ -252,7 +251,7 @@ def _coverage(rows: Sequence[Row]) -> tuple[Coverage, ...]:
         Coverage(
             effect,
             parameter,
-            Share(sum(_holds(interval) for interval in ones), len(ones)),
+            share_of(ones, _holds),
             _median([abs(interval["value"] - interval["truth"]) / interval["std"] for interval in ones]),
         )
         for (effect, parameter), ones in sorted(by_parameter.items())

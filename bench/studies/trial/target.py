@@ -1,13 +1,16 @@
 """The figures of a trial, and their bounds."""
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
-from typing import Self
+from math import inf, isfinite
+from typing import Self, TypeVar
 
 import numpy as np
 
 from bench.basics.chi_squared import WITHIN_95
 
+Case = TypeVar("Case")
 FLOOR_FACTOR = 1.15
 GAIN_FACTOR = 1.5
 LAW_FACTOR = 1.5
@@ -93,6 +96,17 @@ class Share:
         return float(max(middle - half, 0.0)), float(min(middle + half, 1.0))
 
 
+def ends_of(shares: Iterable[Share]) -> np.ndarray:
+    """Values of shares and the ends of their intervals (3, n)."""
+    return np.array([(share.value, *share.interval) for share in shares]).reshape(-1, 3).T
+
+
+def share_of(rows: Iterable[Case], test: Callable[[Case], object]) -> Share:
+    """The share of cases that pass a test."""
+    passed = [bool(test(row)) for row in rows]
+    return Share(sum(passed), len(passed))
+
+
 @dataclass(frozen=True)
 class Target:
     """A figure with its bounds; `share` if it is a share of cases."""
@@ -104,34 +118,33 @@ class Target:
     share: Share | None = None
 
     @property
+    def bounds(self) -> tuple[float, float]:
+        """`least` and `most`, infinite where there is none."""
+        return (-inf if self.least is None else self.least), (inf if self.most is None else self.most)
+
+    @property
     def reached(self) -> bool | None:
         """Whether the value is within its bounds; None without cases."""
-        if not np.isfinite(self.value):
-            return None
-        return (self.least is None or self.value >= self.least) and (
-            self.most is None or self.value <= self.most
-        )
+        least, most = self.bounds
+        return least <= self.value <= most if isfinite(self.value) else None
 
     @property
     def kept(self) -> Attained | None:
-        """Whether the bound is kept, if there are enough cases to say so; None without a bound or without cases."""
+        """Whether the bound is kept, if there are enough cases to say so; None without a bound or without cases.
+
+        There are enough if they could show it with all of them successful; of two bounds, with so narrow an interval.
+        """
         if self.reached is None or (self.least is None and self.most is None):
             return None
         if self.share is None:
             return Attained.YES if self.reached else Attained.NO
+        least, most = self.bounds
         low, high = self.share.interval
         if not self.reached:
-            outside = (self.least is not None and high < self.least) or (
-                self.most is not None and low > self.most
-            )
-            return Attained.NO if outside else Attained.TOO_FEW
-        return Attained.YES if self._enough(self.share) else Attained.TOO_FEW
-
-    def _enough(self, share: Share) -> bool:
-        """Whether this number of cases could show that the bound is kept, if all were successful."""
+            return Attained.NO if high < least or low > most else Attained.TOO_FEW
         if self.least is not None and self.most is not None:
-            low, high = share.interval
-            return high - low <= self.most - self.least
-        if self.least is not None:
-            return Share(share.of, share.of).interval[0] >= self.least
-        return self.most is None or Share(0, share.of).interval[1] <= self.most
+            enough = high - low <= most - least
+        else:
+            of = self.share.of
+            enough = Share(of, of).interval[0] >= least and Share(0, of).interval[1] <= most
+        return Attained.YES if enough else Attained.TOO_FEW

@@ -9,8 +9,9 @@ from bench.document.markdown.tables import markdown
 from bench.document.table import Column, Table
 from bench.studies.sweep.journal import Row, names_in
 from bench.studies.sweep.table import write_rows
+from bench.studies.trial.markdown import percent, table_of
 from bench.studies.trial.summary import LARGE
-from bench.studies.trial.target import LAW_FACTOR, Share
+from bench.studies.trial.target import LAW_FACTOR, Share, share_of
 
 NEAR = 0.1  # of the torque's RMS: largest error of a law that counts as identified
 
@@ -20,7 +21,7 @@ def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
     done = [row for row in rows if row["status"] == "ok" and row["least_own_error_over_floor"] >= LARGE]
     alone = [row for row in done if len(names_in(row["hidden"])) == 1]
     with_known = [row for row in done if len(names_in(row["hidden"])) > 1]
-    figures: list[tuple[str, Sequence[Row], Callable[[Row], bool], str]] = [
+    figures: list[tuple[str, Sequence[Row], Callable[[Row], object], str]] = [
         (
             f"one law alone: error not fitted at most {LAW_FACTOR:g} × the noise floor",
             alone,
@@ -31,33 +32,19 @@ def unknown_table(rows: Sequence[Row], nothing: Sequence[Row] = ()) -> Table:
         ("its structure: the same variables, the same symmetry", alone, _structure, "70 %"),
         ("with one or two known effects: error at the floor", with_known, at_floor, ""),
         ("its torque within 10 %", with_known, _near, ""),
-        (
-            "with that of the known effects at its motor",
-            with_known,
-            lambda row: float(row["law.error"]) <= NEAR,
-            "",
-        ),
+        ("with that of the known effects at its motor", with_known, lambda r: r["law.error"] <= NEAR, ""),
         ("its structure", with_known, _structure, ""),
         ("the law's torque within 10 %, and the known effects exactly", with_known, _both, "60 %"),
-        (
-            "a wrong effect of the catalogue with certainty",
-            done,
-            lambda row: bool(row["wrong"]),
-            "at most 3 %",
-        ),
-        ("a law at a motor that has none", done, lambda row: bool(row.get("law.elsewhere")), ""),
-        ("nothing hidden: a law claimed", _with_known(nothing), lambda row: row["laws"] > 0, "at most 1 %"),
+        ("a wrong effect of the catalogue with certainty", done, lambda r: r["wrong"], "at most 3 %"),
+        ("a law at a motor that has none", done, lambda r: r.get("law.elsewhere"), ""),
+        ("nothing hidden: a law claimed", _with_known(nothing), lambda r: r["laws"] > 0, "at most 1 %"),
     ]
-    shares = [Share(sum(rule(row) for row in some), len(some)) for _, some, rule, _ in figures]
-    return Table(
-        (
-            Column("figure", [name for name, *_ in figures], "sentence"),
-            Column("reached", [f"{100.0 * share.value:.0f} %" if share.of else "–" for share in shares]),
-            Column("goal", [goal for *_, goal in figures]),
-            Column("cases", [f"{share.count} of {share.of}" for share in shares]),
-            Column("95 % interval", [_interval(share) for share in shares]),
-        )
-    )
+    lines = []
+    for name, some, rule, goal in figures:
+        share = share_of(some, rule)
+        lines.append((name, percent(share) or "–", goal, f"{share.count} of {share.of}", _interval(share)))
+    heads = [Column("figure", (), "sentence"), Column("reached", ()), Column("goal", ()), Column("cases", ())]
+    return table_of([*heads, Column("95 % interval", ())], lines)
 
 
 def _with_known(nothing: Sequence[Row]) -> list[Row]:
@@ -67,18 +54,20 @@ def _with_known(nothing: Sequence[Row]) -> list[Row]:
 
 def cases_table(rows: Sequence[Row]) -> Table:
     """Every case: the hidden effects and the result."""
-    before, after = ([row.get(f"error_over_floor.{name}") for row in rows] for name in ("before", "after"))
-    return Table(
+    heads = [Column(head, (), "sentence") for head in ("hidden law", "beside", "found", "named")]
+    heads += [Column(head, (), "number", 0, ".3g") for head in ("error over floor, before", "after")]
+    cells = [
         (
-            Column("hidden law", [_numbers(row) for row in rows], "sentence"),
-            Column("beside", [", ".join(names_in(row["hidden"])[1:]) or "–" for row in rows], "sentence"),
-            Column("found", [_formula(row.get("law.found")) for row in rows], "sentence"),
-            Column("named", [row.get("missing") or "–" for row in rows], "sentence"),
-            Column("error over floor, before", before, "number", 0, ".3g"),
-            Column("after", after, "number", 0, ".3g"),
-            Column("torque error", [_error(row) for row in rows], "number", 0, ".2g"),
+            _numbers(row),
+            ", ".join(names_in(row["hidden"])[1:]) or "–",
+            _formula(row.get("law.found")),
+            row.get("missing") or "–",
+            *(row.get(f"error_over_floor.{name}") for name in ("before", "after")),
+            _error(row),
         )
-    )
+        for row in rows
+    ]
+    return table_of([*heads, Column("torque error", (), "number", 0, ".2g")], cells)
 
 
 def _formula(formulas: str | None) -> str:
@@ -138,8 +127,7 @@ def _both(row: Row) -> bool:
 def _interval(share: Share) -> str:
     if not share.of:
         return "–"
-    low, high = share.interval
-    return f"{100.0 * low:.0f} % to {100.0 * high:.0f} %"
+    return " to ".join(f"{100.0 * end:.0f} %" for end in share.interval)
 
 
 def _numbers(row: Row) -> str:

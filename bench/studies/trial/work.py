@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from functools import partial
 from typing import Any
 
@@ -24,7 +25,7 @@ from bench.studies.sweep.work import Trajectories
 from bench.studies.trial.cases import Case, TrialPlan
 from bench.studies.trial.compatible import PARTS, expected
 from bench.studies.trial.intervals import intervals, moving_alike
-from bench.studies.trial.judge import judgement_of, law_columns, named_from
+from bench.studies.trial.judge import Named, judgement_of, law_columns
 from bench.studies.trial.realise import Entry, hidden_places, realised, reference_scenario
 from bench.studies.trial.setup import Setup
 from bench.studies.trial.unknown import LAW, named_parts
@@ -103,13 +104,8 @@ def diagnosed_row(setup: Setup, case: Case, number: int, simulation: Simulation)
     row["intervals"] = json.dumps(intervals(setup, hidden, diagnosis.after, alike))
     row["intervals_told"] = json.dumps(intervals(setup, hidden, informed, alike))
     row["gains"] = json.dumps(_gains(simulation, diagnosis.after))
-    row["probabilities"] = json.dumps(
-        {
-            verdict.effect: verdict.probability
-            for verdict in diagnosis.ranking
-            if verdict.probability is not None
-        }
-    )
+    stated = {verdict.effect: verdict.probability for verdict in diagnosis.ranking}
+    row["probabilities"] = json.dumps({name: p for name, p in stated.items() if p is not None})
     return row | versions().columns()
 
 
@@ -139,21 +135,14 @@ def _informed_fits(
 ) -> tuple[Identification, dict[str, Identification]]:
     """The fit of a model with the true effects at their places, and a fit without each of `effects`."""
     prepared = prepare(problem_of(dataset))
-    wanted = list(
-        dict.fromkeys(
-            f"{effect}:{place}" if place else effect for effect, place, _ in hidden_places(setup, hidden)
-        )
-    )
-    informed = _fitted(prepared, wanted)
-    if not wanted:
-        return informed, {}
+    wanted = {
+        f"{effect}:{place}" if place else effect: effect for effect, place, _ in hidden_places(setup, hidden)
+    }
     alone = {}
-    for name in effects:
+    for name in effects if wanted else ():
         gone = {name, *PARTS.get(name, ())}
-        alone[name] = _fitted(
-            prepared, [request for request in wanted if request.partition(":")[0] not in gone]
-        )
-    return informed, alone
+        alone[name] = _fitted(prepared, [request for request, of in wanted.items() if of not in gone])
+    return _fitted(prepared, list(wanted)), alone
 
 
 def _fitted(prepared: Prepared, wanted: Sequence[str]) -> Identification:
@@ -186,7 +175,7 @@ def _answer(case: Case, diagnosis: Diagnosis) -> Row:
         for name in (*diagnosis.missing, *(n for n in wanted if n not in diagnosis.missing))
         if (verdict := by_name.get(name)) is not None
     ]
-    named = named_from(verdicts[: len(diagnosis.missing)])
+    named = [Named(name, by_name[name].verdict, by_name[name].alternatives) for name in diagnosis.missing]
     drawn = case.effects[1:] if case.kind in UNNAMED else case.effects
     parts = [part for hide in case.hides for part in named_parts(dict(hide.numbers))]
     judgement = judgement_of(drawn, wanted, named, parts)
@@ -196,10 +185,7 @@ def _answer(case: Case, diagnosis: Diagnosis) -> Row:
     return {
         "missing": cell_of(diagnosis.missing),
         "verdicts": json.dumps(verdicts),
-        "first": judgement.first,
-        "first_undecided": judgement.first_undecided,
-        "exact": judgement.exact,
-        "exact_undecided": judgement.exact_undecided,
+        **asdict(judgement),
         "wrong": cell_of(judgement.wrong),
         "absorbed": absorbed and case.kind not in UNNAMED,
         "unexplained": diagnosis.unexplained.significant,
