@@ -36,3 +36,12 @@ def test_the_motors_see_the_sum(joints, expected):
     assert one["truth"] == expected
     assert abs(one["value"] - one["truth"]) < 5 * one["std"]
     assert np.isfinite(one["std"])
+
+
+def test_periods_on_a_slide_are_per_metre():
+    """A cycle of 20 mm is 50 periods in a metre; on a hinge it would be 2 pi times as many in a turn."""
+    hidden = [{"effect": "cogging_torque", "joint": "axis_1", "a": 2.0, "b": 1.0, "period": 0.02}]
+    result = identify(prepare(problem_of(as_dataset(run("orthoglide", *hidden)), ["cogging_torque:axis_1"])))
+    rows = {row["parameter"]: row for row in intervals(make_setup("orthoglide"), hidden, result, {})}
+    assert rows["periods"]["truth"] == pytest.approx(50.0)
+    assert all(abs(row["value"] - row["truth"]) < 5 * row["std"] for row in rows.values())

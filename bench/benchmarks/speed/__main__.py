@@ -29,7 +29,7 @@ def diagnosis_figures() -> list[SpeedFigure]:
     for name, limit, cost in diagnosis.costs():
         figures.append(SpeedFigure(name, cost.seconds, "s", limit))
         busy = max(busy, cost.processor / cost.seconds)
-        if "hexapod" in name:
+        if "stewart" in name:
             memory = cost.megabytes
     identified = diagnosis.identification()
     identifying = identified.processor / identified.seconds

@@ -75,7 +75,7 @@ def cases(folder: Path) -> Iterator[tuple[str, float, Path]]:
     """Name, limit in s, and dataset of every case; the measured one only if its data are available."""
     for i, (name, limit, robot, hidden) in enumerate(SIMULATED):
         yield name, limit, simulated(folder / str(i), robot, hidden, checked="three_rrr" in robot)
-    yield "diagnose three recordings of 10 s, hexapod", 8.0, report.six_motors(folder, HEXAPOD).folder
+    yield "diagnose three recordings of 10 s, stewart", 8.0, report.six_motors(folder, HEXAPOD).folder
     measured = measured_data() / "ur10e"
     if measured.is_dir():
         yield "diagnose four measured logs, six-axis arm", 15.0, measured

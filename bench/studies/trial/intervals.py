@@ -119,7 +119,8 @@ def intervals(
     """
     true: dict[tuple[str, str, str], float] = {}
     for effect, place, entry in hidden_places(setup, as_logged(hidden)):
-        for name, value in true_values(effect, {k: v for k, v in entry.items() if k != "effect"}).items():
+        numbers = {name: value for name, value in entry.items() if name != "effect"}
+        for name, value in true_values(effect, numbers, slide=place in setup.slides).items():
             key = (effect, alike.get(place, place) if where(effect) == "passive" else place, name)
             true[key] = true.get(key, 0.0) + value if where(effect) == "passive" else value
     rows: list[Mapping[str, Any]] = []

@@ -37,7 +37,7 @@ class Setup:
     name: of the robot. content: of a scenario file without hidden effects. motors: actuated joints. passive: joints
     without a motor. links: joint -> body that it moves, only for bodies that extend in one direction, so that a
     longer link is unambiguous. effects: names of all effects that can be hidden in this robot, including those
-    outside the catalogue. discover: whether to search for laws even if nothing remains unexplained.
+    outside the catalogue. slides: joints that slide. discover: whether to search for laws even if nothing remains unexplained.
     """
 
     name: str
@@ -48,6 +48,7 @@ class Setup:
     payloads: tuple[str, ...]
     effects: tuple[str, ...]
     discover: bool = False
+    slides: frozenset[str] = frozenset()
 
     @property
     def catalogued(self) -> tuple[str, ...]:
@@ -91,7 +92,16 @@ def make_setup(robot: str, scenario: str | None = None, duration: float | None =
         and joint.kind in ("hinge", "slide")
         and not np.allclose(reach_of(model, joint.name, description.tool_site), 0.0)
     }
-    setup = Setup(description.name, content, description.joints, places.passive, links, places.payload, ())
+    setup = Setup(
+        description.name,
+        content,
+        description.joints,
+        places.passive,
+        links,
+        places.payload,
+        (),
+        slides=frozenset(joint.name for joint in geometry.joints if joint.kind == "slide"),
+    )
     names = tuple(name for name in HIDDEN_EFFECTS if _possible(setup, name, description, places))
     return replace(setup, effects=names)
 
