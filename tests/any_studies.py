@@ -22,7 +22,7 @@ from bench.residuals.residuals import MotorErrors, WhereItFails
 from bench.robot_check.contacts import GeomPair
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Amplification, Singularity
-from bench.robot_check.words import TERMS, WORDS
+from bench.robot_check.words import DERIVED, TERMS, WORDS
 from tests.any_values import effects, errors, findings, findings_of, names, numbers, sizes, some, units
 
 few = some(names)
@@ -107,14 +107,27 @@ def _of_type(kind: Any) -> st.SearchStrategy[Any]:
     return st.lists(_of_type(arguments[0]), max_size=3)
 
 
+_DERIVED_FROM: dict[str | None, dict[str, Any]] = {
+    "agree": {"difference": float},
+    "few_joints": {"joints": list[str]},
+    "few_keyframes": {"keyframes": list[str]},
+    "source": {"given": int | None, "positions": int},
+    "closing": {"closed_qpos": list[float]},
+    "why_open": {"fixed_gaps": dict[str, list[float]]},
+    "at": {"positions": dict[str, float], "units": dict[str, str]},
+}
+
+
 def _of_template(words: str) -> dict[str, Any]:
     """The types of a template's values: numbers have a format, lists of names one of words."""
-    fields = [(field, spec) for _, field, spec, _ in Formatter().parse(words) if field not in (None, "agree")]
+    fields = [(field, spec) for _, field, spec, _ in Formatter().parse(words) if field is not None]
     named = {"quoted": list[str], "": str, "# joint": int, "# force": int}
-    hints = {field: named.get(spec, float) for field, spec in fields}
+    hints = {field: named.get(spec, float) for field, spec in fields if field not in DERIVED}
     if "bodies" in hints:
         hints["bodies"] = list[str]
-    return hints | ({"difference": float} if "{agree}" in words else {})
+    for field, _ in fields:
+        hints |= _DERIVED_FROM.get(field, {})
+    return hints
 
 
 _two = st.tuples(names, names)

@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass
 import mujoco
 import numpy as np
 
-from bench.model.geometry import Geometry
-from bench.robot_check.machine import body_label, to_mujoco
+from bench.model.geometry import Geometry, to_mujoco
+from bench.robot_check.machine import body_label
 from bench.robot_check.outcome import Check, CheckCode
 
 
@@ -49,7 +49,9 @@ def check_contacts(geometry: Geometry, poses: np.ndarray) -> list[Check]:
     """A note if geoms touch at home or at the closed poses (N, nq)."""
     compiled = geometry.robot.mjcf_model()
     data = mujoco.MjData(compiled)
-    at_home, *others = (_touching(compiled, data, to_mujoco(geometry, q)) for q in (geometry.home, *poses))
+    at_home, *others = (
+        _touching(compiled, data, to_mujoco(geometry.joints, q[None])[0]) for q in (geometry.home, *poses)
+    )
     often = Counter(pair for pairs in others for pair in pairs).most_common()
     pairs = list(dict.fromkeys([*at_home, *(pair for pair, _ in often)]))
     if not pairs:

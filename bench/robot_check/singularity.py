@@ -12,12 +12,11 @@ import numpy as np
 
 from bench.basics.joint_units import units_of_gain, written_position
 from bench.model.follow import Follower, Pose, advance, close, home_pose, make_follower
-from bench.model.geometry import Geometry
+from bench.model.geometry import Geometry, to_mujoco
 from bench.model.mobility import column_scales, scaled_jacobians, smallest_singular_values
 from bench.model.nodes import robot_length
 from bench.model.states import active_ranges
 from bench.robot_check.bounds import SINGULARITY
-from bench.robot_check.machine import to_mujoco
 from bench.robot_check.mobility import amplification, weakest_joints
 from bench.robot_check.report import Singularity
 
@@ -163,7 +162,7 @@ def _distance(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 
 def _positions(geometry: Geometry, q: np.ndarray) -> dict[str, float]:
     """Positions of the actuated joints as they are logged, rad or m."""
-    qpos = to_mujoco(geometry, q)
+    qpos = to_mujoco(geometry.joints, q[None])[0]
     return {
         name: written_position(float(qpos[index]))
         for name, index in zip(geometry.robot.joints, geometry.active_configuration, strict=True)
