@@ -13,10 +13,9 @@ from bench.excitation.experiment.forecast import ForecastCode, ForecastNote
 from bench.excitation.experiment.proof_words import limit_in_words
 from bench.excitation.experiment.sentences import note_sentence
 from bench.excitation.experiment.sentences import sentences as planned
-from bench.export.replay.cause_words import lost_in_words
 from bench.export.replay.causes import causes_as_data
 from bench.export.replay.track import Lost
-from bench.export.replay.words import replay_sentences
+from bench.export.replay.words import lost_in_words, replay_sentences
 from bench.residuals.as_json import where_json
 from bench.residuals.words import overlapping, where_sentences, whole_alike, whole_sentences
 from bench.robot_check.outcome import CheckCode

@@ -103,38 +103,30 @@ def simulate(recorded: Recorded, change: FileChange, progress: Progress) -> Simu
 
 def _reference(geometry: Geometry, measured: Measured) -> TrackingReference:
     first = measured.tree.at(slice(0, 1))
-    qpos = to_mujoco(geometry.joints, first.q)[0]
+    velocity = first.v[0].copy()
+    rates = configuration_rates(geometry, first.q.T, first.v.T, first.a.T)[0]
+    for joint in geometry.joints:
+        if joint.kind == "free":  # in MuJoCo, its linear velocity is along the world's axes
+            velocity[joint.v.start : joint.v.start + 3] = rates[joint.q.start : joint.q.start + 3, 0]
     return TrackingReference(
         time=measured.time - measured.time[0],
         position=measured.position,
         velocity=measured.velocity,
         acceleration=measured.acceleration,
-        qpos=qpos,
-        qvel=_mujoco_velocity(geometry, first.q, first.v, first.a),
+        qpos=to_mujoco(geometry.joints, first.q)[0],
+        qvel=velocity,
     )
-
-
-def _mujoco_velocity(geometry: Geometry, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
-    """Velocity (nv,) in MuJoCo's coordinates, in which a free body's linear one is along the world's axes."""
-    velocity = v[0].copy()
-    rates = configuration_rates(geometry, q.T, v.T, a.T)[0]
-    for joint in geometry.joints:
-        if joint.kind == "free":
-            velocity[joint.v.start : joint.v.start + 3] = rates[joint.q.start : joint.q.start + 3, 0]
-    return velocity
 
 
 def _currents(identified: IdentifiedModel, measured: Measured, tracked: Tracked) -> np.ndarray:
     """Currents (N, n) that give these torques, through the effects between them."""
     total = tracked.torque.copy()
     rate = measured.recording.rate
-    joints = list(identified.robot.joints)
-    kinds = {joint.name: joint.kind for joint in identified.model.geometry.joints}
     for fitted_effect in identified.effects_in(measured.recording.log):
         effect = fitted_effect.instance.effect
         if not effect.before_torque or not isinstance(effect, ActuatorEffect):
             continue
-        j = joints.index(fitted_effect.place)
+        j = identified.robot.joints.index(fitted_effect.place)
         needed = tracked.torque[:, j]
         signals = JointSignals(
             time=measured.time - measured.recording.time[0],
@@ -146,7 +138,7 @@ def _currents(identified: IdentifiedModel, measured: Measured, tracked: Tracked)
             speed=float(np.sqrt((measured.velocity[:, j] ** 2).mean())),
             rate=rate,
             band=measured.settings.band(rate),
-            rotates=kinds[fitted_effect.place] != "slide",
+            rotates=identified.model.geometry.active_joints[j].kind != "slide",
             needs=partial(np.asarray, needed),
         )
         total[:, j] += effect.torque(signals) @ np.array(list(fitted_effect.values.values()))
