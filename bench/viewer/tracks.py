@@ -240,13 +240,3 @@ def send_phases(stream: rr.RecordingStream, content: ShownContent, motors: Seque
         stream.log(entity, look, static=True)
         changes = rr.StateChange.columns(state=list(lane.states))
         stream.send_columns(entity, indexes=[content.column(lane.time)], columns=changes)
-
-
-def steps_of(
-    name: str, steps: Sequence[tuple[str, Sequence[CurrentSeries]]]
-) -> tuple[tuple[str, CurrentSeries], ...]:
-    """The currents of the recording `name` in every step that has it, with the step's label."""
-    traces = [
-        (label, next((trace for trace in series if trace.name == name), None)) for label, series in steps
-    ]
-    return tuple((label, trace) for label, trace in traces if trace is not None)
