@@ -8,7 +8,7 @@ from typing import Any, get_args, get_type_hints, is_typeddict
 from hypothesis import strategies as st
 
 from bench.excitation.discrimination.result import Discrimination, ImpossibleSign, MotionFacts
-from bench.excitation.experiment.forecast import Enough, Expected, Forecast, ForecastCode, ForecastNote
+from bench.excitation.experiment.forecast import Enough, Expected, Forecast
 from bench.excitation.experiment.open_limits import Kept
 from bench.excitation.experiment.proof import Unproven
 from bench.export.replay.causes import Contacts, PossibleBodies, SoftLoops
@@ -188,13 +188,12 @@ _expected = st.builds(
     errors,
     _positive,
 )
-notes = st.builds(ForecastNote, st.sampled_from(list(ForecastCode)), some(names, 0, 3))
 enough = st.builds(Enough, sizes, errors, errors, errors)
 forecasts = st.builds(
     Forecast,
     st.lists(_expected, min_size=1, max_size=4).map(tuple),
-    st.just(()),
-    some(notes, most=2),
+    some(some(names, 1, 3), most=2),
+    st.booleans(),
     st.none() | enough,
 )
 unproven = st.builds(
@@ -230,6 +229,7 @@ def plans_of(told: Forecast) -> st.SearchStrategy[Any]:
                 array,
                 noise=noise,
                 source=names,
+                gains_fitted=st.booleans(),
                 scale=st.none() | findings_of(Code.GAINS_NOT_FIXED),
                 doubts=st.just(()) | st.tuples(findings),
                 model=built(array, geometry=built(array, closed=st.booleans())),

@@ -66,7 +66,7 @@ def design_trajectories(robot: Robot, movements: Sequence[Movement], progress: P
     progress.phase("designing trajectories", DESIGN.starts + DESIGN.steps)
     for _ in range(DESIGN.starts):
         progress.advance()
-        tried = {m.name: _start(model, limits, m, random) for m in fitted}
+        tried = {m.name: _shrunk(model, limits, m, drawn(m, random)) for m in fitted}
         value = _condition(tried, fitted)
         if value < lowest:
             best, lowest = tried, value
@@ -102,13 +102,6 @@ class _Tried:
     rows: np.ndarray
 
 
-def _start(
-    model: IdentificationModel, limits: Limits, movement: Movement, random: np.random.Generator
-) -> _Tried:
-    """A random trajectory, shrunk until it is feasible."""
-    return _shrunk(model, limits, movement, drawn(movement, random))
-
-
 def _changed(
     model: IdentificationModel,
     limits: Limits,
@@ -118,14 +111,15 @@ def _changed(
     random: np.random.Generator,
 ) -> _Tried | None:
     """A random trajectory near another one; None if it is not feasible."""
-    trajectory = within(movement, changed(before.trajectory, spread, random))
+    trajectory = changed(before.trajectory, spread, random)
+    trajectory = within(movement, trajectory, _times(movement, dense=True))
     motion = feasible_motion(model.geometry, limits, trajectory, _times(movement), near=before.motion)
     return None if motion is None else _in_band(model, movement, trajectory, motion)
 
 
 def drawn(movement: Movement, random: np.random.Generator) -> FourierTrajectory:
     """A random trajectory that keeps the movement's span, velocity and acceleration."""
-    trajectory = random_trajectory(
+    return random_trajectory(
         int(random.integers(2**31)),
         movement.center,
         movement.span,
@@ -136,7 +130,6 @@ def drawn(movement: Movement, random: np.random.Generator) -> FourierTrajectory:
         duration=movement.duration,
         ramp=movement.ramp,
     )
-    return trajectory
 
 
 def changed(trajectory: FourierTrajectory, spread: float, random: np.random.Generator) -> FourierTrajectory:
@@ -150,19 +143,15 @@ def changed(trajectory: FourierTrajectory, spread: float, random: np.random.Gene
     )
 
 
-def within(movement: Movement, trajectory: FourierTrajectory) -> FourierTrajectory:
-    """Scaled down, joint by joint, to keep span, velocity and acceleration."""
-    q, qd, qdd = trajectory.evaluate(_times(movement, dense=True))
-    shares = [
-        np.abs(x).max(axis=0) / limit
-        for x, limit in (
-            (q - movement.center, movement.span),
-            (qd, movement.velocity),
-            (qdd, movement.acceleration),
-        )
-    ]
-    scale = 1.0 / np.maximum(np.max(shares, axis=0), 1.0)[:, None]
-    return replace(trajectory, a=trajectory.a * scale, b=trajectory.b * scale)
+def within(
+    movement: Movement, trajectory: FourierTrajectory, time: np.ndarray, most: float = 1.0
+) -> FourierTrajectory:
+    """Scaled down, joint by joint, to keep a share `most` of span, velocity and acceleration at the times (N,)."""
+    q, qd, qdd = trajectory.evaluate(time)
+    limits = (movement.span, movement.velocity, movement.acceleration)
+    sizes = [np.abs(x).max(axis=0) for x in (q - movement.center, qd, qdd)]
+    shares = np.max([size / limit for size, limit in zip(sizes, limits, strict=True)], axis=0)
+    return trajectory.scaled(most / np.maximum(shares, most)[:, None])
 
 
 def _times(movement: Movement, dense: bool = False) -> np.ndarray:
@@ -200,7 +189,7 @@ def _shrunk(
             tried = _in_band(model, movement, trajectory, motion)
             if tried is not None:
                 return tried
-        trajectory = replace(trajectory, a=trajectory.a * DESIGN.shrink, b=trajectory.b * DESIGN.shrink)
+        trajectory = trajectory.scaled(DESIGN.shrink)
     raise BenchError(
         f"recording {movement.name!r}: no movement around its center keeps the joint ranges and the distance "
         "from singular poses, with torques in the band of a fit"

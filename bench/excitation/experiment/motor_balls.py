@@ -54,21 +54,14 @@ def motor_balls(trajectory: FourierTrajectory, intervals: Intervals) -> MotorBal
     On either half of an interval a function differs from the line through its ends by at most half^2 / 8 times the
     largest second derivative.
     """
-    middle = np.array(trajectory.evaluate(intervals.middle))
-    before = np.array(trajectory.evaluate(intervals.middle - intervals.half))
-    after = np.array(trajectory.evaluate(intervals.middle + intervals.half))
-    away = np.maximum(np.abs(before - middle), np.abs(after - middle))
     first, last = intervals.middle - intervals.half, intervals.middle + intervals.half
+    before, middle, after = (np.array(trajectory.evaluate(time)) for time in (first, intervals.middle, last))
+    away = np.maximum(np.abs(before - middle), np.abs(after - middle))
     inside = (first >= trajectory.ramp) & (last <= trajectory.duration - trajectory.ramp)
-    bent = np.stack(
-        [
-            np.where(
-                inside[:, None],
-                derivative_bound(trajectory, order, blended=False),
-                derivative_bound(trajectory, order, blended=True),
-            )
-            for order in (2, 3, 4)
-        ]
+    between, in_ramps = (
+        np.array([derivative_bound(trajectory, order, blended=blended) for order in (2, 3, 4)])[:, None]
+        for blended in (False, True)
     )
+    bent = np.where(inside[:, None], between, in_ramps)
     rounding = 1e-12 * (np.abs(middle) + np.abs(trajectory.center) + 1.0)
     return MotorBalls(middle, away + intervals.half[:, None] ** 2 / 8.0 * bent + rounding)

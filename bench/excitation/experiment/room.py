@@ -16,12 +16,12 @@ from bench.excitation.experiment.request import (
     joint_values,
     with_units,
 )
-from bench.excitation.limits import Limits, limits_of, passive_room, unlimited
+from bench.excitation.limits import Limits, keeps_clear, limits_of, passive_room, reached_motion
 from bench.model.geometry import Geometry
 from bench.model.kinematics import ancestors, end_of, end_point, frames_of, link_of
-from bench.model.mobility import least_held
 from bench.model.motion import Motion, motion_of
 from bench.model.passive_ranges import passive_ranges
+from bench.model.scalars import Rows, Vector
 from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.home import home_at_range_end
 from bench.robot_check.words import detail_of
@@ -51,7 +51,8 @@ def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
     limits = limits_of(geometry)
     home = geometry.home[geometry.active_configuration] + geometry.active_offset
     low, high = limits.low.copy(), limits.high.copy()
-    without_range = unlimited(geometry)
+    ranges = {name: joint.limits for name, joint in zip(joints, geometry.active_joints, strict=True)}
+    without_range = [name for name, limit in ranges.items() if limit is None]
     for joint, (least, most) in table.position.items():
         check_joint("position", joint, joints)
         j = joints.index(joint)
@@ -137,11 +138,16 @@ def _home_refused(geometry: Geometry, joint: str) -> BenchError:
 
 def tool_positions(geometry: Geometry, motion: Motion) -> np.ndarray:
     """Tool positions along a motion, (N, 3) m."""
+    point = tool_point(geometry, np.ascontiguousarray(motion.q.T))
+    return np.stack([np.broadcast_to(x, len(motion.time)) for x in point], axis=1)
+
+
+def tool_point(geometry: Geometry, q: Rows) -> Vector:
+    """The tool's position, m, at configurations q (nq,) of numbers, arrays or balls."""
     if geometry.tool is None:
         raise BenchError(f"robot {geometry.robot.name}: there is no [tool] site")
     links = tuple(link_of(i, geometry.joints[i]) for i in ancestors(geometry, geometry.tool.joint))
-    point = end_point(frames_of(links, np.ascontiguousarray(motion.q.T)), end_of(geometry.tool))
-    return np.stack([np.broadcast_to(x, len(motion.time)) for x in point], axis=1)
+    return end_point(frames_of(links, q), end_of(geometry.tool))
 
 
 def outside(box: Box, points: np.ndarray) -> np.ndarray:
@@ -165,7 +171,7 @@ def filled(room: Room, trajectory: FourierTrajectory, *, grow: bool = False) -> 
     )
     shares = np.where(shares > 0.0, shares, 1.0)
     scale = 1.0 / (shares if grow else np.maximum(shares, 1.0))
-    return replace(trajectory, a=trajectory.a * scale[:, None], b=trajectory.b * scale[:, None])
+    return trajectory.scaled(scale[:, None])
 
 
 def keeps_joints(room: Room, trajectory: FourierTrajectory) -> bool:
@@ -192,18 +198,9 @@ def robot_motion(
     """The motion of the whole robot if, at these times, loops close and it keeps off singular poses, passive stops and
     boxes; or None.
     """
-    position, velocity, acceleration = trajectory.evaluate(time)
-    try:
-        most = room.joint.amplification
-        motion = motion_of(geometry, time, position, velocity, acceleration, near=near, most=most)
-    except BenchError:  # out of reach, or through a singular pose
+    motion = reached_motion(geometry, room.joint.amplification, time, trajectory.evaluate(time), near)
+    if motion is None or not keeps_clear(geometry, room.joint, motion):
         return None
-    if geometry.closed:
-        if np.abs(motion.jacobian).max() > room.joint.amplification:
-            return None
-        _, held = least_held(geometry, motion.q, LIMITS.poses)
-        if held.min() <= room.joint.held:
-            return None
     for limit in passive_room(geometry):
         at = limit.at(motion.q)
         if at.min() <= limit.low or at.max() >= limit.high:
