@@ -286,7 +286,6 @@ def discriminations(draw: Any) -> Discrimination:
         absorbed=tuple(name for name in pair if name not in asked),
         imitated=draw(some(st.sampled_from(pair), 0, 1)),
         questions=questions,
-        envelope=None,
         given_seconds=draw(sizes),
         held_out_rows=draw(st.integers(0, 9)),
         motion=motion,

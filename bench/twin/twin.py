@@ -12,7 +12,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.home_qpos import home_qpos
 from bench.effects.laws.platform_force import PlatformForce
 from bench.twin.drive import DriveLaw, drive_law_of
-from bench.twin.file import STEPS_TO_STICK, STIFF, SidecarMotor, TwinFile, load_twin_file
+from bench.twin.file import STEPS_TO_STICK, STIFF, TwinFile, load_twin_file
 from bench.twin.laws import Instant, JointLaw, joint_law_of
 
 
@@ -20,7 +20,6 @@ from bench.twin.laws import Instant, JointLaw, joint_law_of
 class TwinMotor:
     """A motor with its indices in MuJoCo's arrays and its effects. dry: the dry friction in the MJCF, N*m or N."""
 
-    motor: SidecarMotor
     actuator: int
     qpos: int
     dof: int
@@ -158,7 +157,6 @@ class Twin:
                 self.model.dof_solimp[dof] = STIFF
             motors.append(
                 TwinMotor(
-                    motor,
                     self.model.actuator(motor.actuator).id,
                     int(joint.qposadr[0]),
                     dof,

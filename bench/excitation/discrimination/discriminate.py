@@ -83,7 +83,6 @@ def discriminate(
         absorbed=absorbed,
         imitated=imitated,
         questions=asked,
-        envelope=around,
         given_seconds=sum(spans),
         held_out_rows=_judged_rows(dataset, first),
         motion=motion,

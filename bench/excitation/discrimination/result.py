@@ -1,14 +1,13 @@
 """Result of a search for a telling motion."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from bench.excitation.bounds import DISCRIMINATION
-from bench.excitation.discrimination.limits import Envelope
 from bench.excitation.discrimination.search import DesignedMotion
-from bench.excitation.discrimination.separation import Question
+from bench.excitation.discrimination.separation import Question, Separation
 from bench.identification.decision import RULE
 
 
@@ -58,7 +57,6 @@ class Discrimination:
     absorbed: tuple[str, ...]
     imitated: tuple[str, ...]
     questions: tuple[Question, ...]
-    envelope: Envelope
     given_seconds: float
     held_out_rows: int
     motion: DesignedMotion | None
@@ -92,20 +90,17 @@ class Discrimination:
         """The share by which the wrong model's error is larger, over given data not fitted and the new motion."""
         if self.motion is None or not self.questions:
             return 0.0
-        shares = [
-            2.0 * answer.nats * answer.autocorrelation_time / (self.held_out_rows + answer.count)
-            for answer in self.motion.answers
-        ]
-        return float(np.sqrt(1.0 + min(shares)) - 1.0)
+        return _growth(
+            (answer.nats, answer, self.held_out_rows + answer.count) for answer in self.motion.answers
+        )
 
     @property
     def given_tells(self) -> bool:
         """Whether the given data suffice."""
         if self.motion is None or not self.questions or self.held_out_rows == 0:
             return False
-        pairs = list(zip(self.given.values(), self.motion.answers, strict=True))
-        shares = [2.0 * nats * answer.autocorrelation_time / self.held_out_rows for nats, answer in pairs]
-        growth = float(np.sqrt(1.0 + min(shares)) - 1.0)
+        pairs = zip(self.given.values(), self.motion.answers, strict=True)
+        growth = _growth((nats, answer, self.held_out_rows) for nats, answer in pairs)
         return min(self.given.values()) >= RULE.prior and growth >= RULE.material
 
     @property
@@ -114,3 +109,9 @@ class Discrimination:
         return (
             bool(self.promised) and min(self.promised.values()) >= RULE.prior and self.growth >= RULE.material
         )
+
+
+def _growth(answers: Iterable[tuple[float, Separation, float]]) -> float:
+    """The smallest share by which the wrong model's error is larger, of nats over a number of rows."""
+    shares = [2.0 * nats * answer.autocorrelation_time / rows for nats, answer, rows in answers]
+    return float(np.sqrt(1.0 + min(shares)) - 1.0)

@@ -8,7 +8,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT, Progress
 from bench.excitation.bounds import DESIGN, DISCRIMINATION
-from bench.excitation.design import Movement, changed, drawn, feasible, within
+from bench.excitation.design import Movement, changed, drawn, shrunk, within
 from bench.excitation.discrimination.limits import Envelope
 from bench.excitation.discrimination.predicted_currents import planned, predicted, times_of
 from bench.excitation.discrimination.rival_models import Rival
@@ -105,7 +105,7 @@ def starts(
         if n > 1 and i % 3 == 2:  # one motor alone
             trajectory = trajectory.scaled((np.arange(n) == random.integers(n))[:, None])
         try:
-            possible = feasible(model, limits, movement, trajectory, dense=True)
+            possible = shrunk(model, limits, movement, trajectory, dense=True).trajectory
         except BenchError:  # no motion fits about this center
             continue
         yield replace(movement, velocity=envelope.velocity), possible

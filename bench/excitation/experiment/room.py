@@ -72,21 +72,19 @@ def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
     limits = replace(limits, low=low, high=high, amplification=amplification)
     unranged = tuple(joint for joint in without_range if joint not in table.position)
     assumed = [assumed_ranges(geometry.robot, unranged, low, high)] if unranged else []
-    width = high - low
-    if table.velocity is None:
-        velocity = width / LIMITS.crossing
-        numbers = with_units("velocity", velocity, geometry.robot)
-        assumed.append(f"speed: the joint's range in {LIMITS.crossing:g} s ({numbers})")
-    else:
-        velocity = joint_values("velocity", table.velocity, joints)
-        assumed += assumed_units("velocity", table.velocity, geometry.robot)
-    if table.acceleration is None:
-        acceleration = velocity / LIMITS.reaching
-        numbers = with_units("acceleration", acceleration, geometry.robot)
-        assumed.append(f"acceleration: the largest speed within {LIMITS.reaching:g} s ({numbers})")
-    else:
-        acceleration = joint_values("acceleration", table.acceleration, joints)
-        assumed += assumed_units("acceleration", table.acceleration, geometry.robot)
+
+    def rates(key: str, default: np.ndarray, why: str) -> np.ndarray:
+        """The given speeds or accelerations (n,), or else the default ones."""
+        if (given := getattr(table, key)) is None:
+            assumed.append(f"{why} ({with_units(key, default, geometry.robot)})")
+            return default
+        assumed.extend(assumed_units(key, given, geometry.robot))
+        return joint_values(key, given, joints)
+
+    why = f"speed: the joint's range in {LIMITS.crossing:g} s"
+    velocity = rates("velocity", (high - low) / LIMITS.crossing, why)
+    why = f"acceleration: the largest speed within {LIMITS.reaching:g} s"
+    acceleration = rates("acceleration", velocity / LIMITS.reaching, why)
     torque = np.full(len(joints), np.inf)
     if table.torque is not None:
         torque = joint_values("torque", table.torque, joints)
@@ -108,22 +106,16 @@ def _check_home(geometry: Geometry, room: Room) -> None:
             raise BenchError(f"workspace[{i}]: low must be below high along every axis")
     zero = np.zeros((1, len(room.home)))
     at_home = motion_of(geometry, np.zeros(1), room.home[None], zero, zero)
-    if np.abs(at_home.jacobian).max() > room.joint.amplification:
-        largest = float(np.abs(at_home.jacobian).max())
-        raise BenchError(
-            f"amplification: {room.joint.amplification:g} leaves no room, home has {largest:.3g} already"
-        )
+    if (largest := np.abs(at_home.jacobian).max()) > (most := room.joint.amplification):
+        raise BenchError(f"amplification: {most:g} leaves no room, home has {largest:.3g} already")
     for limit in passive_ranges(geometry):
         if not limit.low + PLAUSIBLE.still < limit.at(at_home.q)[0] < limit.high - PLAUSIBLE.still:
             raise _home_refused(geometry, limit.joint)
-    if room.boxes:
+    for i, box in enumerate(room.boxes):
         point = tool_positions(geometry, at_home)
-        for i, box in enumerate(room.boxes):
-            if outside(box, point)[0] >= 0.0:
-                place = ", ".join(f"{x:.3g}" for x in point[0])
-                raise BenchError(
-                    f"workspace[{i}]: the tool is at {place} m at home, which that does not allow"
-                )
+        if outside(box, point)[0] >= 0.0:
+            place = ", ".join(f"{x:.3g}" for x in point[0])
+            raise BenchError(f"workspace[{i}]: the tool is at {place} m at home, which that does not allow")
 
 
 def _home_refused(geometry: Geometry, joint: str) -> BenchError:
@@ -179,12 +171,9 @@ def keeps_joints(room: Room, trajectory: FourierTrajectory) -> bool:
     reach = extremes(trajectory)
     slack = 1.0 + 1e-9
     width = 1e-9 * (room.joint.high - room.joint.low)
-    return bool(
-        np.all(reach.low >= room.joint.low - width)
-        and np.all(reach.high <= room.joint.high + width)
-        and np.all(reach.velocity <= room.velocity * slack)
-        and np.all(reach.acceleration <= room.acceleration * slack)
-    )
+    within = (reach.low >= room.joint.low - width) & (reach.high <= room.joint.high + width)
+    slow = (reach.velocity <= room.velocity * slack) & (reach.acceleration <= room.acceleration * slack)
+    return bool(np.all(within & slow))
 
 
 def robot_motion(
