@@ -122,7 +122,7 @@ def excite(
         from bench.excitation.experiment.files import MARKS, PICTURE, SCENARIO, VIEW, write_plan
         from bench.excitation.experiment.forecast import forecast
         from bench.excitation.experiment.plan import WHOLE, Aim, ExperimentPlan, plan_experiment
-        from bench.excitation.experiment.request_file import asked_table
+        from bench.excitation.experiment.request import asked_table
         from bench.excitation.experiment.sentences import sentences
         from bench.identification.problem import problem_of
         from bench.studies.rehearsal import rehearsal_sentence, rehearse

@@ -14,7 +14,7 @@ from bench.model.closure import loop_residual
 from bench.model.cures import welds_as_connects
 from bench.model.geometry import Geometry, read_geometry
 from bench.model.mobility import check_assembled
-from bench.model.passive_ranges import PassiveRange, passive_ranges
+from bench.model.passive_ranges import passive_ranges
 from bench.model.states import LoosePosesError, random_motion
 from bench.robot_check import agreement
 from bench.robot_check.agreement import check_base_parameters
@@ -159,27 +159,21 @@ def _regular_home(singularity: Singularity) -> Check:
 def _passive_ranges(geometry: Geometry, swept: SingularitySweep) -> list[Check]:
     """A note on joints without an independent motor that leave their ranges while the motors stay within theirs."""
     redundant = {actuator.joint for actuator in geometry.robot.redundant}
-    joints = [
-        travel
-        for limit in passive_ranges(geometry)
-        if (travel := _beyond(limit, swept.q, limit.joint in redundant)) is not None
-    ]
+    joints: list[RangeLeft] = []
+    for limit in passive_ranges(geometry):
+        at, lower = limit.at(swept.q), limit.low if np.isfinite(limit.low) else 0.0
+        allowed = ROUNDED * (limit.high - lower)  # a rounding of its numbers
+        if at.min() < limit.low - allowed or at.max() > limit.high + allowed:
+            lowest, highest, lower, upper = (
+                float(end) + limit.offset for end in (at.min(), at.max(), lower, limit.high)
+            )
+            travel: RangeLeft = {
+                "joint": limit.joint,
+                "redundant": limit.joint in redundant,
+                "lowest": lowest,
+                "highest": highest,
+                "lower": lower,
+                "upper": upper,
+            }
+            joints.append(travel)
     return [Check(CheckCode.PASSIVE_RANGE_LEFT, "note", {"joints": joints})] if joints else []
-
-
-def _beyond(limit: PassiveRange, q: np.ndarray, redundant: bool) -> RangeLeft | None:
-    """The travel of a joint over the poses q (N, nq), if it leaves its range by more than a rounding of its numbers."""
-    at = limit.at(q)
-    lowest, highest = float(at.min()), float(at.max())
-    lower = limit.low if np.isfinite(limit.low) else 0.0
-    allowed = ROUNDED * (limit.high - lower)
-    if lowest >= limit.low - allowed and highest <= limit.high + allowed:
-        return None
-    return {
-        "joint": limit.joint,
-        "redundant": redundant,
-        "lowest": lowest + limit.offset,
-        "highest": highest + limit.offset,
-        "lower": lower + limit.offset,
-        "upper": limit.high + limit.offset,
-    }

@@ -90,12 +90,7 @@ def singularity_of(geometry: Geometry, swept: SingularitySweep) -> Singularity:
 def _targets(geometry: Geometry, start: np.ndarray) -> list[np.ndarray]:
     low, high = _ranges(geometry)
     n = len(start)
-    targets = []
-    for joint, ends in enumerate(zip(low, high, strict=True)):
-        for end in ends:
-            target = start.copy()
-            target[joint] = end
-            targets.append(target)
+    targets = [np.where(np.arange(n) == joint, ends, start) for joint in range(n) for ends in (low, high)]
     if n > 1 and 2**n <= SINGULARITY.corners:
         targets += [np.array(corner) for corner in itertools.product(*zip(low, high, strict=True))]
     if n > 1:
@@ -147,9 +142,8 @@ def _reach(geometry: Geometry, swept: SingularitySweep) -> dict[str, tuple[float
     """Each motor's positions at the ends of the first paths, on which it moves alone, down and up."""
     reach = {}
     for i, name in enumerate(geometry.robot.joints):
-        ends = [swept.q[np.flatnonzero(swept.path == 2 * i + k)[-1]] for k in (1, 2)]
-        low, high = (_positions(geometry, end)[name] for end in ends)
-        reach[name] = (low, high)
+        low, high = (swept.q[np.flatnonzero(swept.path == 2 * i + k)[-1]] for k in (1, 2))
+        reach[name] = _positions(geometry, low)[name], _positions(geometry, high)[name]
     return reach
 
 

@@ -14,9 +14,8 @@ from bench.dataset.robot import refuse_redundant
 from bench.excitation.bounds import DISCRIMINATION
 from bench.excitation.discrimination.evidence import error_over_noise, estimate_of_rival, shown_nats
 from bench.excitation.discrimination.limits import Envelope, envelope
-from bench.excitation.discrimination.motion_figures import motion_facts
 from bench.excitation.discrimination.predicted_currents import planned, predicted, times_of
-from bench.excitation.discrimination.result import Discrimination, ImpossibleSign, MotionFacts
+from bench.excitation.discrimination.result import Discrimination, ImpossibleSign, MotionFacts, motion_facts
 from bench.excitation.discrimination.rival_models import Rival, fit_rivals, noise_of
 from bench.excitation.discrimination.search import DesignedMotion, band_of, best_loaded, best_motion, starts
 from bench.excitation.discrimination.separation import Question, question, residual_share, separation

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from bench.excitation.bounds import PROOF
-from bench.excitation.experiment.motor_balls import Intervals, MotorBalls
+from bench.excitation.experiment.between_samples import Intervals, MotorBalls
 from bench.model.balls import balls, dense_balls
 from bench.model.closure import Closures, closures_of, loop_bias, loop_jacobian, loop_rows
 from bench.model.configuration import displacements, integrate

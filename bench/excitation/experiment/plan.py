@@ -126,11 +126,9 @@ class ExperimentPlan:
 
 @dataclass(frozen=True)
 class Started:
-    """A search with its sizes, its targets, and starting motions: random, and with few harmonics."""
+    """A search, and starting motions: random, and with few harmonics."""
 
     search: Search
-    sizes: np.ndarray
-    targets: np.ndarray
     random: list[Candidate]
     sparse: list[Candidate]
 
@@ -250,8 +248,8 @@ def searched(
         motions=motions,
         proofs=proofs,
         checks=checks,
-        sizes=begun.sizes,
-        targets=begun.targets,
+        sizes=search.errors.sizes,
+        targets=search.errors.targets,
         aim=aim,
         value=search.value(motions),
         random={"best": values[0], "median": float(np.median(values))},
@@ -284,7 +282,7 @@ def started(
         looked_at = [seen(nominal, trial.motion, load) for candidate in few for trial, load in candidate]
         sizes = reference_sizes(nominal, looked_at)
     search = Search(nominal, room, shape, loads, known, measure(sizes, targets))
-    return Started(search, sizes, targets, starts, sparse)
+    return Started(search, starts, sparse)
 
 
 def shape_of(room: Room, table: ExperimentTable) -> Shape:

@@ -7,8 +7,8 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.excitation.bounds import PROOF
+from bench.excitation.experiment.between_samples import Intervals, intervals_of, motor_balls
 from bench.excitation.experiment.enclosed_loops import PoseSets, begins_at_home, enclosed, follows, pose_sets
-from bench.excitation.experiment.motor_balls import Intervals, intervals_of, motor_balls
 from bench.excitation.experiment.nominal import Nominal
 from bench.excitation.experiment.open_limits import Kept, Limit, margins
 from bench.excitation.experiment.room import Room

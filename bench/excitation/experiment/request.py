@@ -1,13 +1,14 @@
 """The user's request for an experiment: limits, payload, sensors, as TOML with a value for all joints or one each."""
 
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, ValidationError
 
 from bench.basics.errors import BenchError, meant
-from bench.basics.files.toml_input import UserTable
+from bench.basics.files.toml_input import UserTable, first_mistake, read_toml
 from bench.basics.joint_units import units_of_gain
 from bench.basics.sentence import and_list
 from bench.dataset.payload import Payload, payload_fault
@@ -174,3 +175,22 @@ def asked_payload(robot: Robot, table: DeclaredPayload | None) -> Payload | None
     if fault is not None:
         raise BenchError(f"payload.{fault[0]}: {fault[1]}")
     return payload
+
+
+def asked_table(file: Path | None, given: Mapping[str, Any], robot: Robot) -> ExperimentTable:
+    """The file's table, or an empty one, with values of the command line in place of its keys.
+
+    `payload_mass` is the mass of the payload; `velocity` and `acceleration` are pairs of a number and its unit.
+    Raises BenchError in one line.
+    """
+    table = ExperimentTable() if file is None else read_toml(file, ExperimentTable)
+    given = {**given, **{key: by_unit(key, given.get(key, ()), robot) for key in PER}}
+    changes = {key: value for key, value in given.items() if value is not None}
+    mass = changes.pop("payload_mass", None)
+    content = {**table.model_dump(exclude_unset=True), **changes}
+    if mass is not None:
+        content["payload"] = {**(content.get("payload") or {}), "mass": mass}
+    try:
+        return ExperimentTable.model_validate(content)
+    except ValidationError as error:
+        raise BenchError(f"limits: {first_mistake(error)}") from error
