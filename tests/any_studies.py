@@ -8,7 +8,7 @@ from typing import Any, get_args, get_type_hints, is_typeddict
 from hypothesis import strategies as st
 
 from bench.excitation.discrimination.result import Discrimination, ImpossibleSign, MotionFacts
-from bench.excitation.experiment.forecast import Enough, Expected, Forecast, ForecastCode, ForecastNote
+from bench.excitation.experiment.forecast import Enough, Expected, Forecast
 from bench.excitation.experiment.open_limits import Kept
 from bench.excitation.experiment.proof import Unproven
 from bench.export.replay.causes import Contacts, PossibleBodies, SoftLoops
@@ -22,7 +22,7 @@ from bench.residuals.residuals import MotorErrors, WhereItFails
 from bench.robot_check.contacts import GeomPair
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import Amplification, Singularity
-from bench.robot_check.words import TERMS, WORDS
+from bench.robot_check.words import DERIVED, TERMS, WORDS
 from tests.any_values import effects, errors, findings, findings_of, names, numbers, sizes, some, units
 
 few = some(names)
@@ -107,14 +107,27 @@ def _of_type(kind: Any) -> st.SearchStrategy[Any]:
     return st.lists(_of_type(arguments[0]), max_size=3)
 
 
+_DERIVED_FROM: dict[str | None, dict[str, Any]] = {
+    "agree": {"difference": float},
+    "few_joints": {"joints": list[str]},
+    "few_keyframes": {"keyframes": list[str]},
+    "source": {"given": int | None, "positions": int},
+    "closing": {"closed_qpos": list[float]},
+    "why_open": {"fixed_gaps": dict[str, list[float]]},
+    "at": {"positions": dict[str, float], "units": dict[str, str]},
+}
+
+
 def _of_template(words: str) -> dict[str, Any]:
     """The types of a template's values: numbers have a format, lists of names one of words."""
-    fields = [(field, spec) for _, field, spec, _ in Formatter().parse(words) if field not in (None, "agree")]
+    fields = [(field, spec) for _, field, spec, _ in Formatter().parse(words) if field is not None]
     named = {"quoted": list[str], "": str, "# joint": int, "# force": int}
-    hints = {field: named.get(spec, float) for field, spec in fields}
+    hints = {field: named.get(spec, float) for field, spec in fields if field not in DERIVED}
     if "bodies" in hints:
         hints["bodies"] = list[str]
-    return hints | ({"difference": float} if "{agree}" in words else {})
+    for field, _ in fields:
+        hints |= _DERIVED_FROM.get(field, {})
+    return hints
 
 
 _two = st.tuples(names, names)
@@ -175,13 +188,12 @@ _expected = st.builds(
     errors,
     _positive,
 )
-notes = st.builds(ForecastNote, st.sampled_from(list(ForecastCode)), some(names, 0, 3))
 enough = st.builds(Enough, sizes, errors, errors, errors)
 forecasts = st.builds(
     Forecast,
     st.lists(_expected, min_size=1, max_size=4).map(tuple),
-    st.just(()),
-    some(notes, most=2),
+    some(some(names, 1, 3), most=2),
+    st.booleans(),
     st.none() | enough,
 )
 unproven = st.builds(
@@ -217,6 +229,7 @@ def plans_of(told: Forecast) -> st.SearchStrategy[Any]:
                 array,
                 noise=noise,
                 source=names,
+                gains_fitted=st.booleans(),
                 scale=st.none() | findings_of(Code.GAINS_NOT_FIXED),
                 doubts=st.just(()) | st.tuples(findings),
                 model=built(array, geometry=built(array, closed=st.booleans())),
@@ -273,7 +286,6 @@ def discriminations(draw: Any) -> Discrimination:
         absorbed=tuple(name for name in pair if name not in asked),
         imitated=draw(some(st.sampled_from(pair), 0, 1)),
         questions=questions,
-        envelope=None,
         given_seconds=draw(sizes),
         held_out_rows=draw(st.integers(0, 9)),
         motion=motion,

@@ -19,7 +19,6 @@ from bench.excitation.experiment.nominal import Equations, reference_sizes, seen
 from bench.excitation.experiment.plan import Aim, nominal_machine, shape_of, started
 from bench.excitation.experiment.request import ExperimentTable
 from bench.excitation.experiment.room import room_of
-from bench.excitation.experiment.search import scaled
 from bench.model.motion import motion_of
 
 STEP = 1e-4  # of the largest size of a coefficient
@@ -58,7 +57,7 @@ def test_slopes_of_errors_are_difference_quotients(either, monkeypatch):
     monkeypatch.setattr(linear, "SEARCH", replace(SEARCH, near=-np.inf))
     search, starts = either
     smaller = [
-        search.tried(scaled(m.trajectory, 0.7), load) for m, load in zip(starts[0], search.loads, strict=True)
+        search.tried(m.trajectory.scaled(0.7), load) for m, load in zip(starts[0], search.loads, strict=True)
     ]
     candidate = tuple(smaller)
     (about,), at = linearised(search, [candidate]), 0

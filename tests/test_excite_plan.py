@@ -19,7 +19,7 @@ from bench.excitation.experiment.forecast import forecast
 from bench.excitation.experiment.plan import Aim, plan_experiment
 from bench.excitation.experiment.request import ExperimentTable, assumed_units, by_unit, with_units
 from bench.excitation.experiment.room import outside, room_of, tool_positions
-from bench.excitation.experiment.sentences import note_sentence
+from bench.excitation.experiment.sentences import limiting
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.model.geometry import read_geometry
@@ -180,9 +180,7 @@ def test_without_a_payload_it_says_what_stays_open():
     plan = plan_experiment(load_robot("two_link"), table(), Aim(steps=0))
     said = forecast(plan, 0.005)
     assert plan.names == ("unloaded",)
-    assert any(
-        "scale together" in note and "Weigh a payload" in note for note in map(note_sentence, said.notes)
-    )
+    assert any("scale together" in note and "Weigh a payload" in note for note in limiting(plan, said))
     assert said.enough.mass is not None
 
 
@@ -312,9 +310,10 @@ def test_bad_words_are_refused_in_one_line(tmp_path, capsys, words, said):
 def test_a_folder_with_something_else_is_left_alone(tmp_path):
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(BenchError, match="holds something else"):
-        from bench.excitation.experiment.files import check_folder
+        from bench.excitation.discrimination.files import check_folder
+        from bench.excitation.experiment.files import MARKS
 
-        check_folder(tmp_path)
+        check_folder(tmp_path, *MARKS)
 
 
 @pytest.mark.parametrize(

@@ -9,9 +9,9 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.dataset.robot import load_robot
 from bench.excitation.experiment import open_limits, proof, search
+from bench.excitation.experiment.between_samples import intervals_of, motor_balls
 from bench.excitation.experiment.enclosed_loops import enclosed, follows, pose_sets
 from bench.excitation.experiment.enclosed_torques import enclosed_torques
-from bench.excitation.experiment.motor_balls import intervals_of, motor_balls
 from bench.excitation.experiment.nominal import seen
 from bench.excitation.experiment.open_limits import Kept, margins
 from bench.excitation.experiment.plan import nominal_machine

@@ -22,9 +22,9 @@ from bench.export.identified import declaring, load_identified
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import physical_set
 from bench.export.placed import still_determined
-from bench.export.replay.cause_words import cause_sentence
 from bench.export.replay.causes import PossibleBodies, SoftLoops
 from bench.export.replay.replay import replay
+from bench.export.replay.words import cause_sentence
 from bench.identification.identify import identify
 from bench.identification.model_file import apply_model, load_model, save_model
 from bench.identification.prepare import prepare

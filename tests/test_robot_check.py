@@ -20,7 +20,7 @@ from bench.model.states import random_motion
 from bench.robot_check.check import check_robot
 from bench.robot_check.features import notes
 from bench.robot_check.loops import check_constraints
-from bench.robot_check.machine import make_machine, random_open_poses, to_mujoco
+from bench.robot_check.machine import make_machine, random_open_poses
 from bench.robot_check.mobility import amplification
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.report import loop_lines
@@ -355,11 +355,11 @@ def test_sweep_is_closed_and_seeded(tmp_path):
 
 
 def test_coordinates_there_and_back(tmp_path):
-    from bench.model.geometry import from_mujoco
+    from bench.model.geometry import from_mujoco, to_mujoco
 
     geometry = read_geometry(spatial(tmp_path / "robot"))
     for q in random_open_poses(geometry, 3, 1):
-        np.testing.assert_allclose(from_mujoco(geometry.joints, to_mujoco(geometry, q)[None])[0], q)
+        np.testing.assert_allclose(from_mujoco(geometry.joints, to_mujoco(geometry.joints, q[None]))[0], q)
 
 
 # --- notes --------------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ import pytest
 
 from bench.dataset.robot import load_robot
 from bench.robot_check.check import check_robot
-from bench.robot_check.home_key import home_key
+from bench.robot_check.range_words import home_key
 from bench.robot_check.words import detail_of, nearest_singularity
 from tests.small_robots import write_robot
 

@@ -9,14 +9,11 @@ from hypothesis import strategies as st
 
 from bench.excitation.discrimination.sentences import next_step
 from bench.excitation.discrimination.sentences import sentences as discriminated
-from bench.excitation.experiment.forecast import ForecastCode, ForecastNote
 from bench.excitation.experiment.proof_words import limit_in_words
-from bench.excitation.experiment.sentences import note_sentence
 from bench.excitation.experiment.sentences import sentences as planned
-from bench.export.replay.cause_words import lost_in_words
 from bench.export.replay.causes import causes_as_data
 from bench.export.replay.track import Lost
-from bench.export.replay.words import replay_sentences
+from bench.export.replay.words import lost_in_words, replay_sentences
 from bench.residuals.as_json import where_json
 from bench.residuals.words import overlapping, where_sentences, whole_alike, whole_sentences
 from bench.robot_check.outcome import CheckCode
@@ -58,13 +55,6 @@ def test_where_a_model_fails(where):
     json.dumps(where_json(where), allow_nan=False)
     for motor in where.motors:
         assert all(line.endswith(".") for line in (*whole_sentences(motor), *whole_alike(motor)))
-
-
-@pytest.mark.parametrize("code", list(ForecastCode))
-@rarely
-@given(subjects=few)
-def test_notes_on_a_forecast(code, subjects):
-    assert note_sentence(ForecastNote(code, subjects))
 
 
 @often

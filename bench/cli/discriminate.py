@@ -83,9 +83,14 @@ def discriminate(  # noqa: PLR0913, PLR0917 - an argument for each option
         from bench.dataset.dataset import load_dataset
         from bench.excitation.discrimination.discriminate import discriminate as run
         from bench.excitation.discrimination.figure import write_discrimination_figure
-        from bench.excitation.discrimination.files import CommandLines, check_folder, write_discrimination
+        from bench.excitation.discrimination.files import (
+            ANSWER,
+            CommandLines,
+            check_folder,
+            write_discrimination,
+        )
 
-        check_folder(output)
+        check_folder(output, ANSWER)
         progress.phase("reading the recordings")
         data = load_dataset(dataset)
         run_diagnosis = asked.run("diagnose", dataset)

@@ -116,18 +116,19 @@ def excite(
         from bench.dataset.dataset import load_dataset
         from bench.dataset.robot import load_robot
         from bench.effects import catalogue_for
+        from bench.excitation.discrimination.files import check_folder
         from bench.excitation.experiment.after import plan_after
         from bench.excitation.experiment.figure import write_plan_figure
-        from bench.excitation.experiment.files import PICTURE, SCENARIO, VIEW, check_folder, write_plan
+        from bench.excitation.experiment.files import MARKS, PICTURE, SCENARIO, VIEW, write_plan
         from bench.excitation.experiment.forecast import forecast
         from bench.excitation.experiment.plan import WHOLE, Aim, ExperimentPlan, plan_experiment
-        from bench.excitation.experiment.request_file import asked_table
+        from bench.excitation.experiment.request import asked_table
         from bench.excitation.experiment.sentences import sentences
         from bench.identification.problem import problem_of
         from bench.studies.rehearsal import rehearsal_sentence, rehearse
         from bench.viewer.planned import write_planned_rrd
 
-        check_folder(output)
+        check_folder(output, *MARKS)
         stop_step_timers()
         aim = Aim(wanted or WHOLE.wanted, **search)
         described = load_robot(robot)

@@ -92,15 +92,12 @@ def replay(
         run = CommandRun("replay", str(dataset), (), tuple(map(str, effect_files)), given, str(output))
         written.append(wrote(write_replay_report(output, result, problem, saved, run), "report"))
     if rrd_file is not None:
-        from bench.viewer.context import SimulatedPoses, ViewContext
+        from bench.viewer.context import ViewContext
         from bench.viewer.recording import write_rrd
 
         shown = replace(saved, method="twin", recordings=result.twin.recordings, error=result.twin.error)
-        simulated = {
-            name: SimulatedPoses(motion.time, motion.poses) for name, motion in result.motions.items()
-        }
         text = "\n\n".join(["In outline: the twin, as MuJoCo simulates it.", *replay_sentences(result)])
-        write_rrd(rrd_file, shown, data, context=ViewContext(simulated=simulated, text=text))
+        write_rrd(rrd_file, shown, data, context=ViewContext(simulated=result.motions, text=text))
         written.append(wrote(rrd_file, "recording"))
     replay_report(result, Console())
     options = [

@@ -61,12 +61,12 @@ def design_trajectories(robot: Robot, movements: Sequence[Movement], progress: P
     limits = limits_of(model.geometry)
     random = np.random.default_rng([movement.seed for movement in movements])
     fitted = [movement for movement in movements if movement.fitted]
-    best: dict[str, _Tried] = {}
+    best: dict[str, TriedMovement] = {}
     lowest = np.inf
     progress.phase("designing trajectories", DESIGN.starts + DESIGN.steps)
     for _ in range(DESIGN.starts):
         progress.advance()
-        tried = {m.name: _start(model, limits, m, random) for m in fitted}
+        tried = {m.name: shrunk(model, limits, m, drawn(m, random)) for m in fitted}
         value = _condition(tried, fitted)
         if value < lowest:
             best, lowest = tried, value
@@ -89,12 +89,12 @@ def design_trajectories(robot: Robot, movements: Sequence[Movement], progress: P
     for movement in movements:
         progress.advance()
         trajectory = best[movement.name].trajectory if movement.fitted else drawn(movement, random)
-        by_name[movement.name] = feasible(model, limits, movement, trajectory, dense=True)
+        by_name[movement.name] = shrunk(model, limits, movement, trajectory, dense=True).trajectory
     return Designed(by_name, float(lowest))
 
 
 @dataclass(frozen=True)
-class _Tried:
+class TriedMovement:
     """A feasible trajectory with its motion, and its rows (M, c) of the observation matrix."""
 
     trajectory: FourierTrajectory
@@ -102,30 +102,24 @@ class _Tried:
     rows: np.ndarray
 
 
-def _start(
-    model: IdentificationModel, limits: Limits, movement: Movement, random: np.random.Generator
-) -> _Tried:
-    """A random trajectory, shrunk until it is feasible."""
-    return _shrunk(model, limits, movement, drawn(movement, random))
-
-
 def _changed(
     model: IdentificationModel,
     limits: Limits,
     movement: Movement,
-    before: _Tried,
+    before: TriedMovement,
     spread: float,
     random: np.random.Generator,
-) -> _Tried | None:
+) -> TriedMovement | None:
     """A random trajectory near another one; None if it is not feasible."""
-    trajectory = within(movement, changed(before.trajectory, spread, random))
+    trajectory = changed(before.trajectory, spread, random)
+    trajectory = within(movement, trajectory, _times(movement, dense=True))
     motion = feasible_motion(model.geometry, limits, trajectory, _times(movement), near=before.motion)
     return None if motion is None else _in_band(model, movement, trajectory, motion)
 
 
 def drawn(movement: Movement, random: np.random.Generator) -> FourierTrajectory:
     """A random trajectory that keeps the movement's span, velocity and acceleration."""
-    trajectory = random_trajectory(
+    return random_trajectory(
         int(random.integers(2**31)),
         movement.center,
         movement.span,
@@ -136,7 +130,6 @@ def drawn(movement: Movement, random: np.random.Generator) -> FourierTrajectory:
         duration=movement.duration,
         ramp=movement.ramp,
     )
-    return trajectory
 
 
 def changed(trajectory: FourierTrajectory, spread: float, random: np.random.Generator) -> FourierTrajectory:
@@ -150,19 +143,15 @@ def changed(trajectory: FourierTrajectory, spread: float, random: np.random.Gene
     )
 
 
-def within(movement: Movement, trajectory: FourierTrajectory) -> FourierTrajectory:
-    """Scaled down, joint by joint, to keep span, velocity and acceleration."""
-    q, qd, qdd = trajectory.evaluate(_times(movement, dense=True))
-    shares = [
-        np.abs(x).max(axis=0) / limit
-        for x, limit in (
-            (q - movement.center, movement.span),
-            (qd, movement.velocity),
-            (qdd, movement.acceleration),
-        )
-    ]
-    scale = 1.0 / np.maximum(np.max(shares, axis=0), 1.0)[:, None]
-    return replace(trajectory, a=trajectory.a * scale, b=trajectory.b * scale)
+def within(
+    movement: Movement, trajectory: FourierTrajectory, time: np.ndarray, most: float = 1.0
+) -> FourierTrajectory:
+    """Scaled down, joint by joint, to keep a share `most` of span, velocity and acceleration at the times (N,)."""
+    q, qd, qdd = trajectory.evaluate(time)
+    limits = (movement.span, movement.velocity, movement.acceleration)
+    sizes = [np.abs(x).max(axis=0) for x in (q - movement.center, qd, qdd)]
+    shares = np.max([size / limit for size, limit in zip(sizes, limits, strict=True)], axis=0)
+    return trajectory.scaled(most / np.maximum(shares, most)[:, None])
 
 
 def _times(movement: Movement, dense: bool = False) -> np.ndarray:
@@ -174,25 +163,16 @@ def _times(movement: Movement, dense: bool = False) -> np.ndarray:
     return np.linspace(movement.ramp, end, max(20, int(rate * (end - movement.ramp))))
 
 
-def feasible(
+def shrunk(
     model: IdentificationModel,
     limits: Limits,
     movement: Movement,
     trajectory: FourierTrajectory,
     dense: bool = False,
-) -> FourierTrajectory:
-    """Shrunk until it keeps the joint ranges, the distance from singular poses and the band of the torques."""
-    return _shrunk(model, limits, movement, trajectory, dense).trajectory
-
-
-def _shrunk(
-    model: IdentificationModel,
-    limits: Limits,
-    movement: Movement,
-    trajectory: FourierTrajectory,
-    dense: bool = False,
-) -> _Tried:
-    """A feasible trajectory with its motion."""
+) -> TriedMovement:
+    """The trajectory shrunk until it keeps the joint ranges, the distance from singular poses and the band of the
+    torques; dense: at finer times, to the end.
+    """
     time = _times(movement, dense)
     for _ in range(DESIGN.shrinks):
         motion = feasible_motion(model.geometry, limits, trajectory, time)
@@ -200,7 +180,7 @@ def _shrunk(
             tried = _in_band(model, movement, trajectory, motion)
             if tried is not None:
                 return tried
-        trajectory = replace(trajectory, a=trajectory.a * DESIGN.shrink, b=trajectory.b * DESIGN.shrink)
+        trajectory = trajectory.scaled(DESIGN.shrink)
     raise BenchError(
         f"recording {movement.name!r}: no movement around its center keeps the joint ranges and the distance "
         "from singular poses, with torques in the band of a fit"
@@ -209,14 +189,18 @@ def _shrunk(
 
 def _in_band(
     model: IdentificationModel, movement: Movement, trajectory: FourierTrajectory, motion: Motion
-) -> _Tried | None:
+) -> TriedMovement | None:
     """A feasible trajectory with its rows; None if torques of guessed bodies have peaks too narrow for a fit."""
     rows, torque = _rows(model, movement, motion)
     rate = (len(motion.time) - 1) / float(motion.time[-1] - motion.time[0])
-    return None if np.any(band_shares(torque, rate, trajectory) > 1.0) else _Tried(trajectory, motion, rows)
+    return (
+        None
+        if np.any(band_shares(torque, rate, trajectory) > 1.0)
+        else TriedMovement(trajectory, motion, rows)
+    )
 
 
-def _condition(tried: Mapping[str, _Tried], movements: Sequence[Movement]) -> float:
+def _condition(tried: Mapping[str, TriedMovement], movements: Sequence[Movement]) -> float:
     """Condition number of the scaled [phi, v, phi_uL] over all fitted movements."""
     rows = [tried[movement.name].rows for movement in movements]
     if not rows:

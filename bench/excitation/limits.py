@@ -1,5 +1,6 @@
 """Limits of a planned movement: joint ranges, and the distance from singular poses."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -65,15 +66,6 @@ def _with_margin(limit: PassiveRange, home: float) -> PassiveRange:
     )
 
 
-def unlimited(geometry: Geometry) -> tuple[str, ...]:
-    """The active joints for which the MJCF has no range."""
-    return tuple(
-        name
-        for name, joint in zip(geometry.robot.joints, geometry.active_joints, strict=True)
-        if joint.limits is None
-    )
-
-
 def keeps_clear(geometry: Geometry, limits: Limits, motion: Motion) -> bool:
     """Whether a motion keeps its distance from singular poses, even when slow.
 
@@ -96,14 +88,21 @@ def feasible_motion(
 
     near: of a similar trajectory at the same times, from which closures converge faster.
     """
-    position, velocity, acceleration = trajectory.evaluate(time)
-    if np.any(position < limits.low) or np.any(position > limits.high):
+    states = trajectory.evaluate(time)
+    if np.any(states[0] < limits.low) or np.any(states[0] > limits.high):
         return None
+    return reached_motion(geometry, limits.amplification, time, states, near)
+
+
+def reached_motion(
+    geometry: Geometry, most: float, time: np.ndarray, states: Sequence[np.ndarray], near: Motion | None
+) -> Motion | None:
+    """The motion of the motors' positions, velocities and accelerations (N, n), if its loops close with an
+    amplification of at most `most`; near: see `feasible_motion`.
+    """
+    position, velocity, acceleration = states
     try:
-        most = limits.amplification
         motion = motion_of(geometry, time, position, velocity, acceleration, near=near, most=most)
-    except BenchError:
+    except BenchError:  # out of reach, or through a singular pose
         return None
-    if np.abs(motion.jacobian).max() > limits.amplification:
-        return None
-    return motion
+    return None if np.abs(motion.jacobian).max() > most else motion

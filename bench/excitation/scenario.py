@@ -28,7 +28,7 @@ def designer(
 ) -> dict[str, FourierTrajectory]:
     """Trajectories for the recordings of a scenario that request an optimised one, by recording name."""
     movements = tuple(_movement(scenario, recording) for recording in recordings)
-    return dict(_designed(_Request(scenario.robot, _DesignKey(movements), progress)).trajectories)
+    return dict(_designed(_Request(scenario.robot, repr(movements), movements, progress)).trajectories)
 
 
 def load_designed(
@@ -42,22 +42,13 @@ def load_designed(
     return loaded, resolve_trajectories(loaded, partial(designer, progress=progress))
 
 
-class _DesignKey(tuple[Movement, ...]):
-    """Movements, compared by what they print: arrays do not hash."""
-
-    def __hash__(self) -> int:
-        return hash(repr(tuple(self)))
-
-    def __eq__(self, other: object) -> bool:
-        return repr(self) == repr(other)
-
-
 @dataclass(frozen=True)
 class _Request:
-    """A design request; requests that differ only in progress are equal."""
+    """A design request; movements are compared by what they print, since arrays do not hash."""
 
     robot: Robot
-    movements: _DesignKey
+    printed: str
+    movements: tuple[Movement, ...] = field(compare=False)
     progress: Progress = field(compare=False)
 
 

@@ -10,29 +10,22 @@ from bench.dataset.robot_mjcf import ROTOR
 from bench.export.identified import IdentifiedModel
 from bench.identification.layout import payload_columns
 from bench.model.base import independent_columns
-from bench.model.geometry import Geometry, Placement
+from bench.model.geometry import Geometry, Placement, rotation_matrix
 from bench.model.guess import guessed_parameters
 from bench.model.regressor import moved_parameters
+from bench.model.supported import label_of
 
 SLENDER = 1e-4  # of a body's squared longest extent: a body thinner than a hundredth counts as that thick
+INERTIA = np.array([[4, 5, 7], [5, 6, 8], [7, 8, 9]])  # places of I (3, 3) among standard parameters (10,)
 LOAD = "payload "  # what the names of payloads begin with, among those of bodies
 
 
 def pseudo_inertia(parameters: np.ndarray) -> np.ndarray:
     """P (4, 4) of standard parameters (10,)."""
-    mass, first = parameters[0], parameters[1:4]
-    inertia = inertia_matrix(parameters)
-    matrix = np.empty((4, 4))
-    matrix[:3, :3] = 0.5 * np.trace(inertia) * np.eye(3) - inertia
-    matrix[:3, 3] = matrix[3, :3] = first
-    matrix[3, 3] = mass
-    return matrix
-
-
-def inertia_matrix(parameters: np.ndarray) -> np.ndarray:
-    """I (3, 3) of standard parameters (10,), about their frame, kg m2."""
-    xx, xy, yy, xz, yz, zz = parameters[4:]
-    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    inertia = parameters[INERTIA]
+    square = 0.5 * np.trace(inertia) * np.eye(3) - inertia
+    first = parameters[1:4, None]
+    return np.block([[square, first], [first.T, parameters[:1]]])
 
 
 def standard_parameters(matrix: np.ndarray) -> np.ndarray:
@@ -59,7 +52,7 @@ def about_center(parameters: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]
     mass = float(parameters[0])
     center = parameters[1:4] / mass if mass else np.zeros(3)
     square = float(center @ center) * np.eye(3) - np.outer(center, center)
-    return mass, center, inertia_matrix(parameters) - mass * square
+    return mass, center, parameters[INERTIA] - mass * square
 
 
 @dataclass(frozen=True)
@@ -75,17 +68,12 @@ class Prior:
     guessed: tuple[str, ...] = ()
 
 
-def geometric_prior(geometry: Geometry) -> Prior:
-    """Equal bars from joint to joint; no mass is read. The data scale their common mass."""
-    return Prior(guessed_parameters(geometry), np.zeros(len(geometry.active)), "bars from joint to joint")
-
-
 def cad_prior(geometry: Geometry) -> Prior:
     """The masses of the MJCF, welded bodies merged with those that carry them; bars if it has none."""
     compiled = geometry.robot.mjcf_model()
     parameters = np.zeros(10 * len(geometry.joints))
     for body in range(1, compiled.nbody):
-        name = mujoco.mj_id2name(compiled, mujoco.mjtObj.mjOBJ_BODY, body) or f"body_{body}"
+        name = label_of(compiled, mujoco.mjtObj.mjOBJ_BODY, body)
         joint, place = geometry.body_frames[name]
         if joint >= 0 and not name.startswith(ROTOR):
             parameters[10 * joint : 10 * joint + 10] += _of_body(compiled, body, place)
@@ -103,22 +91,26 @@ def cad_prior(geometry: Geometry) -> Prior:
     return Prior(parameters, rotors, "masses of the MJCF", tuple(guessed))
 
 
-def scaled_to(prior: Prior, grouping: np.ndarray, base: np.ndarray, weights: np.ndarray) -> Prior:
-    """The prior with all masses times the factor that brings it nearest to base parameters (nb,)."""
-    weighted, wanted = weights * (grouping @ prior.parameters), weights * base
+def _scaled_bars(identified: IdentifiedModel) -> Prior:
+    """Equal bars from joint to joint, without any mass of the MJCF, with the common mass that brings them nearest to
+    the base parameters.
+    """
+    geometry = identified.model.geometry
+    bars = guessed_parameters(geometry)
+    std = np.sqrt(np.maximum(np.diag(identified.covariance), 0.0))[: len(identified.base)]
+    weights = np.divide(1.0, std, out=np.zeros_like(std), where=std > 0.0)
+    weighted, wanted = weights * (identified.model.base.grouping @ bars), weights * identified.base
     factor = float(weighted @ wanted) / float(weighted @ weighted) if weighted.any() else 1.0
-    if factor <= 0.0:
-        return prior
-    return Prior(factor * prior.parameters, prior.rotors, prior.source, prior.guessed)
+    scaled = factor * bars if factor > 0.0 else bars
+    return Prior(scaled, np.zeros(len(geometry.active)), "bars from joint to joint")
 
 
 def _of_body(compiled: mujoco.MjModel, body: int, place: Placement) -> np.ndarray:
     """Standard parameters (10,) of one body of the file, in the frame of the joint that moves it."""
-    rotation = np.empty(9)
-    mujoco.mju_quat2Mat(rotation, compiled.body_iquat[body])
     x, y, z = compiled.body_inertia[body]
     principal = np.array([compiled.body_mass[body], 0.0, 0.0, 0.0, x, 0.0, y, 0.0, 0.0, z])
-    parameters = moved_parameters(principal, rotation.reshape(3, 3), compiled.body_ipos[body])
+    axes = rotation_matrix(compiled.body_iquat[body])
+    parameters = moved_parameters(principal, axes, compiled.body_ipos[body])
     return moved_parameters(parameters, place.rotation, place.translation)
 
 
@@ -169,14 +161,7 @@ class BodyEquations:
 def equations_of(identified: IdentifiedModel, use_cad: bool) -> BodyEquations:
     """The equations of a model. use_cad: prior from the masses of the MJCF, not from bars."""
     geometry, base = identified.model.geometry, identified.model.base
-    std = np.sqrt(np.maximum(np.diag(identified.covariance), 0.0))[: len(identified.base)]
-    known = std > 0.0
-    weights = np.where(known, 1.0 / np.where(known, std, 1.0), 0.0)
-    prior = (
-        cad_prior(geometry)
-        if use_cad
-        else scaled_to(geometric_prior(geometry), base.grouping, identified.base, weights)
-    )
+    prior = cad_prior(geometry) if use_cad else _scaled_bars(identified)
     nb, nz = len(identified.base), len(identified.estimated)
     bodies = []
     for joint, name in geometry.bodies:
@@ -241,7 +226,4 @@ def _solid_load(
     center = known[1:4] / mass
     radius = max(0.02, 0.3 * float(np.linalg.norm(center)))
     square = float(center @ center) * np.eye(3) - np.outer(center, center) + 0.4 * radius**2 * np.eye(3)
-    parameters = np.concatenate(
-        ([mass], mass * center, mass * square[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]])
-    )
-    return parameters
+    return np.concatenate(([mass], mass * center, mass * square[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]))

@@ -28,7 +28,6 @@ MOST_POSES = 512  # per call: if motors go far, poses between are closed, too
 NEARLY = 1e-8  # m or rad: after a smaller correction the loops are closed to rounding
 CLOSED = 1e-9  # m or rad: residual of closures that are not redundant
 TEMPLATES = Path(__file__).with_name("c")
-KINDS = {"hinge": "HINGE", "slide": "SLIDE", "ball": "BALL", "free": "FREE"}
 
 
 def table(values: np.ndarray | Sequence[object]) -> str:
@@ -137,12 +136,14 @@ PASSIVE_LAWS: dict[str, Law] = {
 
 
 def motor_lines(model: IdentifiedModel, effects: Sequence[EffectValues]) -> str:
-    """A line of C for each effect at its motor."""
-    geometry, lines = model.model.geometry, []
+    """A line of C for each effect at its motor whose law is known."""
+    lines = []
     for effect in effects:
-        turns = geometry.joints[geometry.joint_index(effect.place)].kind != "slide"
-        values = {**effect.instance.effect.shape_values(), **effect.values}
+        if effect.name not in LAWS:
+            continue
         j = model.robot.joints.index(effect.place)
+        turns = model.model.geometry.active_joints[j].kind != "slide"
+        values = {**effect.instance.effect.shape_values(), **effect.values}
         values["phase"] = 1.0 if turns else 2.0 * np.pi
         target = "between" if effect.instance.effect.before_torque else "torque"
         state = f"double x = q[{j}], s = v[{j}], b = a[{j}], t = torque[{j}], g = gain[{j}]"
@@ -186,21 +187,15 @@ def c_text(model: IdentifiedModel, payload: str | None = None) -> tuple[str, tup
     """
     geometry = model.model.geometry
     chosen = chosen_effects(model)
-    at_motors = (*chosen.at_motors, *chosen.between)
-    known = [effect for effect in at_motors if effect.name in LAWS]
     balls = {joint.name for joint in geometry.joints if joint.kind == "ball"}
     passive = [
         effect for effect in chosen.in_passive if effect.name in PASSIVE_LAWS and effect.place not in balls
     ]
-    unknown = [
-        *(f"{effect.name} at {effect.place}" for effect in at_motors if effect.name not in LAWS),
-        *(
-            f"{effect.name} at {effect.place}: a ball joint"
-            for effect in chosen.in_passive
-            if effect.place in balls
-        ),
-    ]
-    left_out = (*chosen.left_out, *unknown)
+    left_out = list(chosen.left_out)
+    for effect in (*chosen.at_motors, *chosen.between):
+        left_out += [f"{effect.name} at {effect.place}"] if effect.name not in LAWS else []
+    for effect in chosen.in_passive:
+        left_out += [f"{effect.name} at {effect.place}: a ball joint"] if effect.place in balls else []
     units = ", ".join(f"{motor.joint} ({motor.gain_unit.split('/')[-1]})" for motor in model.robot.actuators)
     names = {
         "name": c_name(geometry.robot.name),
@@ -210,13 +205,14 @@ def c_text(model: IdentifiedModel, payload: str | None = None) -> tuple[str, tup
         "left_out": "".join(f"\n * Not in it: {_comment(line)}." for line in left_out),
         **(closure_tables(geometry) if geometry.closed else {}),
         **_body_tables(model, payload),
+        "effects": motor_lines(model, chosen.at_motors),
+        "between": motor_lines(model, chosen.between),
     }
-    names |= _effect_lines(model, known)
     parts = ["rigid_bodies", *(("closure_equations", "closing") if geometry.closed else ())]
     if geometry.closed:
         names["passive_effects"] = passive_lines(geometry, passive_order(geometry), passive)
     names |= {part: _filled(part, names) for part in parts}
-    return _filled("closed" if geometry.closed else "tree", names), left_out
+    return _filled("closed" if geometry.closed else "tree", names), tuple(left_out)
 
 
 def write_c(path: Path, model: IdentifiedModel, payload: str | None = None) -> tuple[str, ...]:
@@ -242,7 +238,7 @@ def _body_tables(model: IdentifiedModel, payload: str | None) -> dict[str, str]:
         "motors": str(motors),
         "balls": str(sum(joint.kind == "ball" for joint in joints)),
         "frees": str(sum(joint.kind == "free" for joint in joints)),
-        "kind": ", ".join(KINDS[joint.kind] for joint in joints),
+        "kind": ", ".join(joint.kind.upper() for joint in joints),
         "parent": table([joint.parent for joint in joints]),
         "at_q": table([joint.q.start for joint in joints]),
         "at_v": table([joint.v.start for joint in joints]),
@@ -259,12 +255,6 @@ def _body_tables(model: IdentifiedModel, payload: str | None) -> dict[str, str]:
         "solving": str(SOLVING),
         "least": repr(LEAST_SATURATED),
     }
-
-
-def _effect_lines(model: IdentifiedModel, effects: list[EffectValues]) -> dict[str, str]:
-    first = [effect for effect in effects if not effect.instance.effect.before_torque]
-    last = [effect for effect in effects if effect.instance.effect.before_torque]
-    return {"effects": motor_lines(model, first), "between": motor_lines(model, last)}
 
 
 def _comment(text: str) -> str:

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.effects import ActuatorEffect, JointSignals
+from bench.effects import ActuatorEffect
 from bench.effects.passive_joint import PassiveEffect
 from bench.export.identified import EffectValues, IdentifiedModel, carried
 from bench.model.geometry import Geometry
@@ -80,26 +80,13 @@ class Feedforward:
 
     def _at_motor(self, fitted_effect: EffectValues, j: int, asked: list[np.ndarray], needed: float) -> float:
         """Torque of an effect at motor j, given the rest of the motor's torque."""
-        effect = fitted_effect.instance.effect
+        effect, gain = fitted_effect.instance.effect, float(self._model.gains[j])
         if not isinstance(effect, ActuatorEffect):
             raise TypeError(effect.name)
-        position, velocity, acceleration = (part[j : j + 1] for part in asked)
-        geometry = self._model.model.geometry
-        gain = float(self._model.gains[j])
-        signals = JointSignals(
-            time=np.zeros(1),
-            position=position,
-            velocity=velocity,
-            acceleration=acceleration,
-            current=np.array([needed / gain]),
-            gain=gain,
-            speed=1.0,
-            rate=1.0,
-            band=1.0,
-            rotates=geometry.joints[geometry.joint_index(fitted_effect.place)].kind != "slide",
-            needs=partial(np.full, 1, needed),
-        )
-        return float((effect.torque(signals) @ np.array(list(fitted_effect.values.values())))[0])
+        rotates = self._model.model.geometry.active_joints[j].kind != "slide"
+        law = Memoryless(effect, np.array(list(fitted_effect.values.values())), gain, rotates)
+        state = [np.zeros(1), *(part[j : j + 1] for part in asked), np.array([needed / gain])]
+        return float(law.at(*state, needs=partial(np.full, 1, needed))[0])
 
 
 def _steady(fitted_effect: EffectValues) -> bool:
@@ -108,13 +95,10 @@ def _steady(fitted_effect: EffectValues) -> bool:
     law = joint_law_of(effect, fitted_effect.values, 1.0, True)
     if not isinstance(law, Memoryless):
         return False
-    state = np.array([0.7]), np.array([1.3]), np.zeros(1), np.zeros(1)
-    other_current = (*state[:3], np.ones(1))
-    first = law.at(np.zeros(1), *state)
-    return bool(
-        np.array_equal(first, law.at(np.ones(1), *state))
-        and np.array_equal(first, law.at(np.zeros(1), *other_current))
-    )
+    state = np.array([0.0, 0.7, 1.3, 0.0, 0.0])[:, None]
+    later, with_current = state + np.eye(5)[[0, 4], :, None]
+    first = law.at(*state)
+    return bool(np.array_equal(first, law.at(*later)) and np.array_equal(first, law.at(*with_current)))
 
 
 def _passive(geometry: Geometry, motion: Motion, fitted_effect: EffectValues) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.basics.files.toml_input import read_toml
-from bench.dataset.dataset_toml import DatasetSpec, PayloadSpec
+from bench.dataset.dataset_toml import DatasetSpec, payload_of
 from bench.dataset.names import DATASET_FILE
 from bench.dataset.payload import Payload
 from bench.dataset.robot import Robot, load_robot, refuse_other_locks, refuse_redundant
@@ -120,14 +120,13 @@ def load_identified(
     loaded: Robot | None = None
     if saved.dataset is not None and (saved.dataset / DATASET_FILE).is_file():
         spec = read_toml(saved.dataset / DATASET_FILE, DatasetSpec)
-        payloads = {name: _declared(name, entry) for name, entry in spec.payloads.items()}
+        file = saved.dataset / DATASET_FILE
+        payloads = {name: payload_of(file, name, entry) for name, entry in spec.payloads.items()}
         files = tuple(saved.dataset / name for name in spec.effects)
         if robot is None:
             loaded = load_robot(spec.robot, relative_to=saved.dataset)
     if loaded is None:
-        if robot is None:
-            robot = saved.model.robot
-        loaded = load_robot(robot)
+        loaded = load_robot(saved.model.robot if robot is None else robot)
     known = catalogue_for(files, tuple(effect_files))
     wider = with_saved_effects(known, saved)
     saved_files = () if wider is known else saved.effect_files
@@ -234,15 +233,6 @@ def _covariance(path: Path, covariance: np.ndarray, count: int) -> np.ndarray:
             f"{path}: its covariance is {' x '.join(map(str, covariance.shape))}, and {count} parameters are needed"
         )
     return covariance[:count, :count]
-
-
-def _declared(name: str, spec: PayloadSpec) -> Payload:
-    return Payload(
-        name,
-        spec.mass,
-        None if spec.center_of_mass is None else np.array(spec.center_of_mass),
-        None if spec.inertia is None else np.array(spec.inertia),
-    )
 
 
 def unknown_payload(model: IdentifiedModel, payload: str) -> BenchError:

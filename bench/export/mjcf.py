@@ -24,6 +24,7 @@ from bench.model.geometry import Placement
 from bench.twin.file import STEPS_TO_STICK, STIFF
 
 PAYLOAD = "payload:"  # what the name of a payload's body begins with
+LOADS = ("damping", "frictionloss", "stiffness", "armature")  # of a joint
 
 
 @dataclass(frozen=True)
@@ -168,12 +169,12 @@ def mjcf_text(physical: PhysicalSet, folder: Path, payload: str | None = None, l
     ]
     motors = set_motors(spec, compiled, driven, changed)
     for motor in motors:
-        exact[f"actuator {motor.name}"] = {
-            "gainprm": _text(motor.gainprm[0]),
-            "biasprm": _text(motor.biasprm[0]),
-        }
-    for key, qpos in zip(spec.keys, compiled.key_qpos, strict=True):
-        exact[f"key {key.name}"] = {"qpos": _text(qpos)}
+        numbers = {"gainprm": digits(motor.gainprm[0]), "biasprm": digits(motor.biasprm[0])}
+        exact[f"actuator {motor.name}"] = numbers
+    exact |= {
+        f"key {key.name}": {"qpos": digits(qpos)}
+        for key, qpos in zip(spec.keys, compiled.key_qpos, strict=True)
+    }
     spec.comment = _comment(physical, placed)
     try:
         spec.compile()
@@ -237,7 +238,11 @@ def _set_bodies(
             continue
         if body.name.startswith(ROTOR):  # MuJoCo does not write so small a mass by itself
             inertia = [INERTIA] * 3 + [0.0] * 3
-            exact[f"body {body.name}"] = {"mass": _text(MASS), "pos": "0 0 0", "fullinertia": _text(inertia)}
+            exact[f"body {body.name}"] = {
+                "mass": digits(MASS),
+                "pos": "0 0 0",
+                "fullinertia": digits(inertia),
+            }
             continue
         joint, place = frames[body.name]
         if body.name in physical.bodies:
@@ -257,12 +262,12 @@ def _set_inertia(
     body.explicitinertial = True
     body.mass, body.ipos = mass, center
     full = inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-    entries = {"mass": _text(mass), "pos": _text(center)}
     body.inertia, body.iquat = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])  # MuJoCo wants one of the two
     body.ialt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
     body.fullinertia = full if mass else np.full(6, np.nan)
     if mass:
-        exact[f"body {body.name}"] = {**entries, "fullinertia": _text(full)}
+        entries = {"mass": digits(mass), "pos": digits(center), "fullinertia": digits(full)}
+        exact[f"body {body.name}"] = entries
 
 
 def _set_joints(
@@ -285,13 +290,7 @@ def _set_joints(
         if joint.type in kinds:
             joint.springref = degrees * terms.springref
             joint.springdamper = [0.0, 0.0]
-        exact[f"joint {joint.name}"] = {
-            "armature": _text(terms.armature),
-            "damping": _text(terms.damping),
-            "frictionloss": _text(terms.frictionloss),
-            "stiffness": _text(terms.stiffness),
-            "springref": _text(terms.springref),
-        }
+        exact[f"joint {joint.name}"] = {name: digits(getattr(terms, name)) for name in (*LOADS, "springref")}
         if terms.frictionloss:
             joint.solref_friction = [STEPS_TO_STICK * step, 1.0]
             joint.solimp_friction = STIFF
@@ -301,17 +300,11 @@ def _tell_replaced(
     joint: mujoco.MjsJoint, compiled: mujoco.MjModel, terms: JointTerms, changed: list[str]
 ) -> None:
     """What the file has of a joint and the model has not."""
-    dof = int(compiled.jnt_dofadr[joint.id])
-    kept = {
-        "damping": (float(compiled.dof_damping[dof]), any(terms.damping)),
-        "frictionloss": (float(compiled.dof_frictionloss[dof]), terms.frictionloss),
-        "stiffness": (float(compiled.jnt_stiffness[joint.id]), terms.stiffness),
-        "armature": (float(compiled.dof_armature[dof]), terms.armature),
-    }
+    before = compiled.joint(joint.id)
     changed += [
         f"joint {joint.name}: {name} {value:.6g} of the file is gone: the identified model has none there"
-        for name, (value, identified) in kept.items()
-        if value and not identified
+        for name in LOADS
+        if (value := float(getattr(before, name)[0])) and not np.any(getattr(terms, name))
     ]
 
 
@@ -333,7 +326,7 @@ def _add_payload(
 
 
 def _comment(physical: PhysicalSet, placed: Placed) -> str:
-    """The comment at the head of the file; a comment in XML must not have two hyphens in a row."""
+    """The comment at the head of the file."""
     model = physical.model
     lines = [
         f"Identified: {model.path.name}, robot {model.robot.name}.",
@@ -346,7 +339,11 @@ def _comment(physical: PhysicalSet, placed: Placed) -> str:
             "Not in this file, see bench.twin:",
             *(f"  {line}" for line in not_placed_lines(placed.not_placed)),
         ]
-    return "\n  ".join(lines).replace("--", "- -")
+    return in_comment("\n  ".join(lines))
+
+
+def _with_digits(element: ET.Element, entries: Mapping[str, str]) -> None:
+    element.attrib.update({name: value for name, value in entries.items() if name in element.attrib})
 
 
 def _with_all_digits(text: str, exact: Mapping[str, Mapping[str, str]]) -> str:
@@ -363,18 +360,19 @@ def _with_all_digits(text: str, exact: Mapping[str, Mapping[str, str]]) -> str:
                 inertial.attrib.pop(name, None)
             inertial.attrib.update(entries)
         for joint in body.findall("joint"):
-            for name, value in exact.get(f"joint {joint.get('name')}", {}).items():
-                if joint.get(name) is not None:
-                    joint.set(name, value)
+            _with_digits(joint, exact.get(f"joint {joint.get('name')}", {}))
     for kind in ("actuator", "keyframe"):
         for element in root.findall(f"{kind}/*"):
             what = "key" if kind == "keyframe" else kind
-            entries = exact.get(f"{what} {element.get('name')}", {})
-            element.attrib.update(
-                {name: value for name, value in entries.items() if element.get(name) is not None}
-            )
+            _with_digits(element, exact.get(f"{what} {element.get('name')}", {}))
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _text(values: float | np.ndarray | list[float]) -> str:
+def in_comment(text: str) -> str:
+    """The text for a comment in XML, which must not have two hyphens in a row."""
+    return text.replace("--", "- -")
+
+
+def digits(values: float | np.ndarray | Sequence[float]) -> str:
+    """Numbers for an attribute in XML, with all digits."""
     return " ".join(repr(float(value)) for value in np.atleast_1d(values))

@@ -119,25 +119,32 @@ class Programs:
         """The real bodies nearest to the estimate; without: a body that need not be real."""
         cp = self._cvxpy
         bodies, rotors, x = self._unknowns()
-        known = self._whitening
-        scale = 1.0 / self._steepness
         real = [body >> LEAST * np.eye(4) for i, body in enumerate(bodies) if i != without]
         real += [] if rotors is None else [rotors >= 0.0]
         finite = [body << MOST * np.eye(4) for body in bodies]
         finite += [] if rotors is None else [rotors <= MOST]
-        off = scale * (known @ self._map) @ x - scale * known @ self.equations.estimated
+        off = self._off(x, 1.0 / self._steepness)
         problem = cp.Problem(cp.Minimize(cp.norm(off)), [*real, *finite, *self._held_conditions(x)])
         if not self._solved(problem):
             raise self.not_found()
         estimated = self._map @ x.value
-        distance = float(np.linalg.norm(known @ (estimated - self.equations.estimated)))
-        pressing = [_pressures(condition.dual_value) for condition in real]
-        least = AT_LIMIT * max((float(values.max(initial=0.0)) for values, _ in pressing), default=0.0)
+        distance = float(np.linalg.norm(self._whitening @ (estimated - self.equations.estimated)))
+        duals = [condition.dual_value for condition in real]
+        pressing = [  # multipliers of each condition by direction
+            np.linalg.eigvalsh(0.5 * (dual + dual.T)) if dual.ndim == 2 else np.atleast_1d(dual)
+            for dual in duals
+        ]
+        least = AT_LIMIT * max((float(values.max(initial=0.0)) for values in pressing), default=0.0)
         freedom = 0
-        for pressures, matrix in pressing:
+        for dual, pressures in zip(duals, pressing, strict=True):
             rank = int((pressures > least).sum()) if least > 0.0 else 0
-            freedom += rank * (rank + 1) // 2 if matrix else rank
-        return Nearest(distance, min(freedom, len(known)), np.asarray(estimated))
+            freedom += rank * (rank + 1) // 2 if dual.ndim == 2 else rank
+        return Nearest(distance, min(freedom, len(self._whitening)), np.asarray(estimated))
+
+    def _off(self, x: Any, scale: float) -> Any:
+        """Distance of the estimated parameters from the estimate, standard errors times `scale`, in each direction."""
+        known = self._whitening
+        return scale * (known @ self._map) @ x - scale * known @ self.equations.estimated
 
     def drawn_to_prior(self, distance: float) -> Reached | None:
         """Of all bodies within `distance` standard errors of the estimate, those nearest to the prior.
@@ -147,15 +154,13 @@ class Programs:
         cp = self._cvxpy
         bodies, rotors, x = self._unknowns()
         if distance > 0.0:
-            known = self._whitening
             scale = 1.0 / max(distance, self._steepness)
-            off = scale * (known @ self._map) @ x - scale * known @ self.equations.estimated
-            conditions = [cp.norm(off) <= scale * distance, *self._held_conditions(x)]
+            met = cp.norm(self._off(x, scale)) <= scale * distance
         else:
             length = np.linalg.norm(self._map, axis=1)
             length[length == 0.0] = 1.0
-            reproduced = (self._map / length[:, None]) @ x == self.equations.estimated / length
-            conditions = [reproduced, *self._held_conditions(x)]
+            met = (self._map / length[:, None]) @ x == self.equations.estimated / length
+        conditions = [met, *self._held_conditions(x)]
         far = sum(cp.trace(body) - cp.log_det(body) for body in bodies)
         if rotors is not None:
             conditions.append(rotors >= 0.0)
@@ -217,23 +222,18 @@ class Programs:
 
     def _solved(self, problem: Any) -> bool:
         """Solve it, with safer settings if the solver fails; any solution must keep its conditions."""
-        return any(self._solved_with(problem, settings) for settings in SETTINGS)
-
-    def _solved_with(self, problem: Any, settings: Mapping[str, float]) -> bool:
         cp = self._cvxpy
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", UserWarning)  # of an inaccurate solution: it is checked below
-                problem.solve(solver=cp.CLARABEL, **settings)
-        except cp.error.SolverError:
-            return False
-        if problem.status not in ("optimal", "optimal_inaccurate"):
-            return False
-        return max(float(np.max(constraint.violation())) for constraint in problem.constraints) <= VIOLATED
-
-
-def _pressures(dual: np.ndarray) -> tuple[np.ndarray, bool]:
-    """Multipliers of a condition by direction, and whether it is a matrix condition."""
-    if dual.ndim == 2:
-        return np.linalg.eigvalsh(0.5 * (dual + dual.T)), True
-    return np.atleast_1d(dual), False
+        for settings in SETTINGS:
+            try:
+                with warnings.catch_warnings():
+                    warnings.simplefilter(
+                        "ignore", UserWarning
+                    )  # of an inaccurate solution: it is checked below
+                    problem.solve(solver=cp.CLARABEL, **settings)
+            except cp.error.SolverError:
+                continue
+            if problem.status in ("optimal", "optimal_inaccurate"):
+                violations = [float(np.max(constraint.violation())) for constraint in problem.constraints]
+                if max(violations) <= VIOLATED:
+                    return True
+        return False

@@ -1,6 +1,5 @@
 """A robot without loops as URDF: links with identified inertias, joints with damping and dry friction."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -11,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from bench.basics.errors import BenchError
 from bench.basics.files.atomic import write_text_atomically
 from bench.export.bodies import about_center
+from bench.export.mjcf import digits, in_comment
 from bench.export.physical import PhysicalSet
 from bench.export.placed import JointTerms, Placed, not_placed_lines, placed_effects
 from bench.model.geometry import Geometry, Joint
@@ -48,7 +48,7 @@ def urdf_text(physical: PhysicalSet) -> Urdf:
         _add_joint(root, joint, parent, name, placed.joints.get(joint.name, JointTerms()))
     not_held = (*_not_held(physical, placed), *not_placed_lines(placed.not_placed))
     for line in not_held:
-        root.insert(0, ET.Comment(f" not held: {line.replace('--', '- -')} "))
+        root.insert(0, ET.Comment(f" not held: {in_comment(line)} "))
     ET.indent(root)
     return Urdf('<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n", placed, not_held)
 
@@ -61,28 +61,24 @@ def write_urdf(path: Path, physical: PhysicalSet) -> Urdf:
 
 
 def _check_tree(geometry: Geometry) -> None:
-    if geometry.closed:
-        closed = (
-            *(loop.name for loop in geometry.loops),
-            *(coupling.name for coupling in geometry.couplings),
-        )
-        raise BenchError(
-            f"robot {geometry.robot.name}: URDF has no loops and no couplings ({closed[0]}); use mjcf"
-        )
-    for joint in geometry.joints:
-        if joint.kind not in ("hinge", "slide"):
-            raise BenchError(
-                f"robot {geometry.robot.name}: URDF has no {joint.kind} joint ({joint.name}); use mjcf"
-            )
+    closed = [loop.name for loop in geometry.loops] + [coupling.name for coupling in geometry.couplings]
+    faults = [f"loops and no couplings ({name})" for name in closed]
+    faults += [
+        f"{joint.kind} joint ({joint.name})"
+        for joint in geometry.joints
+        if joint.kind not in ("hinge", "slide")
+    ]
+    for fault in faults:
+        raise BenchError(f"robot {geometry.robot.name}: URDF has no {fault}; use mjcf")
 
 
 def _add_inertial(link: ET.Element, parameters: np.ndarray) -> None:
     mass, center, inertia = about_center(parameters)
     inertial = ET.SubElement(link, "inertial")
-    ET.SubElement(inertial, "origin", xyz=_text(center), rpy="0 0 0")
-    ET.SubElement(inertial, "mass", value=_text(mass))
+    ET.SubElement(inertial, "origin", xyz=digits(center), rpy="0 0 0")
+    ET.SubElement(inertial, "mass", value=digits(mass))
     entries = {
-        f"i{a}{b}": _text(inertia["xyz".index(a), "xyz".index(b)])
+        f"i{a}{b}": digits(inertia["xyz".index(a), "xyz".index(b)])
         for a, b in ("xx", "xy", "xz", "yy", "yz", "zz")
     }
     ET.SubElement(inertial, "inertia", entries)
@@ -93,19 +89,16 @@ def _add_joint(root: ET.Element, joint: Joint, parent: str, child: str, terms: J
     kind = "prismatic" if joint.kind == "slide" else "continuous" if limits is None else "revolute"
     element = ET.SubElement(root, "joint", name=joint.name, type=kind)
     angles = Rotation.from_matrix(joint.placement.rotation).as_euler("xyz")
-    ET.SubElement(element, "origin", xyz=_text(joint.placement.translation), rpy=_text(angles))
+    ET.SubElement(element, "origin", xyz=digits(joint.placement.translation), rpy=digits(angles))
     ET.SubElement(element, "parent", link=parent)
     ET.SubElement(element, "child", link=child)
-    ET.SubElement(element, "axis", xyz=_text(joint.axis))
-    bounds = (
-        {}
-        if kind == "continuous"
-        else dict(
-            zip(("lower", "upper"), map(_text, limits or (-float(UNLIMITED), float(UNLIMITED))), strict=True)
-        )
-    )
-    ET.SubElement(element, "limit", {**bounds, "effort": UNLIMITED, "velocity": UNLIMITED})
-    ET.SubElement(element, "dynamics", damping=_text(terms.damping[0]), friction=_text(terms.frictionloss))
+    ET.SubElement(element, "axis", xyz=digits(joint.axis))
+    limit = ET.SubElement(element, "limit")
+    if kind != "continuous":
+        low, high = limits or (-float(UNLIMITED), float(UNLIMITED))
+        limit.attrib.update(lower=digits(low), upper=digits(high))
+    limit.attrib.update(effort=UNLIMITED, velocity=UNLIMITED)
+    ET.SubElement(element, "dynamics", damping=digits(terms.damping[0]), friction=digits(terms.frictionloss))
 
 
 def _not_held(physical: PhysicalSet, placed: Placed) -> list[str]:
@@ -127,9 +120,5 @@ def _not_held(physical: PhysicalSet, placed: Placed) -> list[str]:
     offsets = {joint.name: joint.offset for joint in geometry.joints if joint.offset}
     lines += [f"zero of {name} is at {value:.9g} in the MJCF" for name, value in offsets.items()]
     if np.abs(placed.gravity - GRAVITY).max() > 1e-9:
-        lines.append(f"gravity = {_text(placed.gravity)} m/s2")
+        lines.append(f"gravity = {digits(placed.gravity)} m/s2")
     return lines
-
-
-def _text(values: float | np.ndarray | Sequence[float]) -> str:
-    return " ".join(repr(float(value)) for value in np.atleast_1d(values))

@@ -168,6 +168,10 @@ class Geometry:
         """(joint index, body name) of every moving body."""
         return tuple((i, joint.body) for i, joint in enumerate(self.joints) if joint.body is not None)
 
+    def joint_at(self, v: int) -> Joint:
+        """The joint of a velocity, by its index."""
+        return next(joint for joint in self.joints if joint.v.start <= v < joint.v.stop)
+
     def joint_index(self, name: str) -> int:
         """Index of a joint by its name; BenchError if there is none."""
         for i, joint in enumerate(self.joints):
@@ -230,7 +234,9 @@ def _joints(compiled: mujoco.MjModel) -> tuple[tuple[Joint, ...], dict[int, tupl
     for body in range(1, compiled.nbody):
         carried = _name(compiled, mujoco.mjtObj.mjOBJ_BODY, body, f"body_{body}")
         parent, placement = frames[int(compiled.body_parentid[body])]
-        frame = placement @ Placement(_rotation(compiled.body_quat[body]), compiled.body_pos[body].copy())
+        frame = placement @ Placement(
+            rotation_matrix(compiled.body_quat[body]), compiled.body_pos[body].copy()
+        )
         first = int(compiled.body_jntadr[body])
         count = int(compiled.body_jntnum[body])
         for index in range(first, first + count):
@@ -275,7 +281,8 @@ def _loops(compiled: mujoco.MjModel, frames: dict[int, tuple[int, Placement]]) -
         if int(compiled.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE):
             bodies = tuple(int(compiled.site_bodyid[site]) for site in ids)
             local = tuple(
-                Placement(_rotation(compiled.site_quat[site]), compiled.site_pos[site].copy()) for site in ids
+                Placement(rotation_matrix(compiled.site_quat[site]), compiled.site_pos[site].copy())
+                for site in ids
             )
         else:
             bodies, data = ids, compiled.eq_data[index]
@@ -283,7 +290,7 @@ def _loops(compiled: mujoco.MjModel, frames: dict[int, tuple[int, Placement]]) -
                 (Placement(np.eye(3), data[0:3].copy()), Placement(np.eye(3), data[3:6].copy()))
                 if connect
                 else (
-                    Placement(_rotation(data[6:10]), data[3:6].copy()),
+                    Placement(rotation_matrix(data[6:10]), data[3:6].copy()),
                     Placement(np.eye(3), data[0:3].copy()),
                 )
             )
@@ -361,11 +368,12 @@ def _tool(robot: Robot, compiled: mujoco.MjModel, frames: dict[int, tuple[int, P
             f"{robot.model_path}: the tool site {robot.tool_site!r} does not move, since no joint carries it; "
             + (f"sites that move: {named}" if named else 'write <site name="tool"/> into a body that moves')
         )
-    place = Placement(_rotation(compiled.site_quat[site]), compiled.site_pos[site].copy())
+    place = Placement(rotation_matrix(compiled.site_quat[site]), compiled.site_pos[site].copy())
     return Anchor(joint, frame @ place)
 
 
-def _rotation(quaternion: np.ndarray) -> np.ndarray:
+def rotation_matrix(quaternion: np.ndarray) -> np.ndarray:
+    """The rotation matrix (3, 3) of a quaternion w x y z."""
     matrix = np.empty(9)
     mujoco.mju_quat2Mat(matrix, np.asarray(quaternion, dtype=float))
     return matrix.reshape(3, 3)

@@ -7,11 +7,11 @@ import numpy.typing as npt
 
 from bench.dataset.dataset import Dataset
 from bench.dataset.recording import Recording
+from bench.export.replay.replay import TwinMotion
 from bench.identification.result import CurrentSeries
 from bench.page.chart_spec import significant
 from bench.signals.settings import FilterSettings
 from bench.viewer.body_motion import BodyMotion, placed, recorded_motion, visible_geoms
-from bench.viewer.context import SimulatedPoses
 from bench.viewer.scene import TOP, error_share
 
 FRAMES, FEWEST_FRAMES = 400, 60  # enough for a smooth motion
@@ -27,7 +27,7 @@ def mechanism(
     series: CurrentSeries,
     settings: FilterSettings,
     frames: int = FRAMES,
-    simulated: SimulatedPoses | None = None,
+    simulated: TwinMotion | None = None,
 ) -> dict[str, Any]:
     """A robot's bodies in a recording, with closed loops, and its tool's path with the error of a model, 0 to 1.
 
@@ -58,7 +58,7 @@ def mechanism(
     }
 
 
-def _simulated(mjcf: Any, simulated: SimulatedPoses, time: Array) -> list[dict[str, Any]]:
+def _simulated(mjcf: Any, simulated: TwinMotion, time: Array) -> list[dict[str, Any]]:
     """The bars of a twin in the frames nearest to these times, without those fixed to the world."""
     nearest = np.searchsorted(0.5 * (simulated.time[1:] + simulated.time[:-1]), time)
     motion = placed(mjcf, None, time, simulated.poses[nearest])

@@ -39,7 +39,6 @@ from bench.page.verdict import (
     replay_tiles,
 )
 from bench.signals.settings import FilterSettings
-from bench.viewer.context import SimulatedPoses
 
 FRAMES = 150  # of the moving robot: a smooth motion in a small file
 AS_IT_IS, COMPLETED = "of the model as it is", "of the completed model"
@@ -168,7 +167,7 @@ def _moving(
         recording = next(log for log in logged.recordings if log.name == name)
         series = next(trace for trace in recordings if trace.name == name)
         try:
-            twin = None if twins is None else SimulatedPoses(twins[name].time, twins[name].poses)
+            twin = None if twins is None else twins[name]
             data = mechanism(logged, recording, series, settings, FRAMES, twin)
         except BenchError as error:
             return Text("The robot", (f"It is not drawn: {error}.",))

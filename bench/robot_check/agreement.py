@@ -2,6 +2,7 @@
 
 import copy
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any, Literal
 
 import mujoco
@@ -17,7 +18,7 @@ from bench.model.regressor import projected_regressor
 from bench.model.spin import idle_spins
 from bench.model.supported import label_of
 from bench.robot_check.bounds import AGREEMENT
-from bench.robot_check.machine import CheckedMachine, body_label, place_state, set_pose
+from bench.robot_check.machine import CheckedMachine, body_label, put_state, set_pose
 from bench.robot_check.outcome import Check, CheckCode
 
 KINDS = {
@@ -48,8 +49,8 @@ def check_joint_list(machine: CheckedMachine) -> Check:
         slices = (int(compiled.jnt_qposadr[index]), int(compiled.jnt_dofadr[index]))
         if slices != (joint.idx_q, joint.idx_v):
             return Check(CheckCode.JOINT_COORDINATES_DIFFER, "failed", {"joint": label})
-        parent = _parent_joint(compiled, index)
-        if machine.model.parents[index + 1] != parent + 1:
+        before = int(compiled.dof_parentid[compiled.jnt_dofadr[index]])  # the velocity before; -1 at the base
+        if machine.model.parents[index + 1] != (0 if before < 0 else int(compiled.dof_jntid[before]) + 1):
             return Check(CheckCode.JOINT_PARENTS_DIFFER, "failed", {"joint": label})
     roots = sum(joint.parent < 0 for joint in geometry.joints)
     return Check(CheckCode.JOINT_TREES_AGREE, "ok", {"joints": int(compiled.njnt), "roots": roots})
@@ -137,7 +138,7 @@ def check_mass_matrix(machine: CheckedMachine, poses: np.ndarray) -> Check:
         worst,
         (CheckCode.MASS_MATRICES_AGREE, {"size": nv, "poses": len(poses)}),
         CheckCode.MASS_MATRICES_DIFFER,
-        lambda v: {"joint": _joint_of(machine, v), "difference": float(worst[v])},
+        lambda v: {"joint": machine.geometry.joint_at(v).name, "difference": float(worst[v])},
     )
 
 
@@ -153,7 +154,7 @@ def check_bias_forces(machine: CheckedMachine, poses: np.ndarray, velocities: np
         worst,
         (CheckCode.BIAS_FORCES_AGREE, {"forces": machine.geometry.nv, "states": len(poses)}),
         CheckCode.BIAS_FORCES_DIFFER,
-        lambda v: {"joint": _joint_of(machine, v), "difference": float(worst[v])},
+        lambda v: {"joint": machine.geometry.joint_at(v).name, "difference": float(worst[v])},
     )
 
 
@@ -224,21 +225,6 @@ def model_acceleration(machine: CheckedMachine, v: np.ndarray) -> np.ndarray:
     return acceleration
 
 
-def _joint_of(machine: CheckedMachine, v: int) -> str:
-    return next(joint.name for joint in machine.geometry.joints if joint.v.start <= v < joint.v.stop)
-
-
-def _parent_joint(compiled: mujoco.MjModel, joint: int) -> int:
-    """The joint before this one on the path from the base; -1 for the base itself."""
-    body = int(compiled.jnt_bodyid[joint])
-    if joint > compiled.body_jntadr[body]:
-        return joint - 1
-    while body := int(compiled.body_parentid[body]):
-        if compiled.body_jntnum[body]:
-            return int(compiled.body_jntadr[body] + compiled.body_jntnum[body]) - 1
-    return -1
-
-
 def _compared(
     worst: np.ndarray,
     agreed: tuple[CheckCode, dict[str, Any]],
@@ -264,29 +250,22 @@ def check_base_parameters(machine: CheckedMachine, base: BaseParameters, motion:
     massless. A body that the closures fix, such as a base welded to the world, causes no torque but rounding. The bound
     allows for what the base parameters neglect because of closure errors in the drawing.
     """
-    reference = motion_with_torques(machine, motion)
     regressor = projected_regressor(machine.geometry, motion, base.columns)
     allowed = max(AGREEMENT.closed, RANKS.gap * base.neglected)
     worst, differing = 0.0, []
-    for label, standard, rotors, theirs, in_tree in reference:
+    for label, standard, rotors, theirs, in_tree in motion_with_torques(machine, motion):
         ours = regressor @ (base.grouping @ standard + base.rotors @ rotors)
         largest = max(float(np.abs(theirs).max()), AGREEMENT.unfelt * in_tree)
         difference = float(np.abs(ours - theirs).max()) / largest if largest else 0.0
         worst = max(worst, difference)
         if not difference < allowed:
             differing.append(label)
-    values = {"parameters": len(base.columns), "difference": worst}
+    values: dict[str, Any] = {"parameters": len(base.columns), "difference": worst}
     if differing:
-        return Check(
-            CheckCode.BASE_PARAMETERS_DIFFER,
-            "failed",
-            {**values, "bodies": differing, "motors": driven_parts(machine.geometry.robot)},
-        )
-    return Check(
-        CheckCode.BASE_PARAMETERS_AGREE,
-        "ok",
-        {**values, "states": len(motion.time), "neglected": base.neglected},
-    )
+        values |= {"bodies": differing, "motors": driven_parts(machine.geometry.robot)}
+        return Check(CheckCode.BASE_PARAMETERS_DIFFER, "failed", values)
+    values |= {"states": len(motion.time), "neglected": base.neglected}
+    return Check(CheckCode.BASE_PARAMETERS_AGREE, "ok", values)
 
 
 def motion_with_torques(
@@ -306,9 +285,7 @@ def motion_with_torques(
         0  # shortcuts valid only for the file's centres of mass
     )
     compiled.body_mass[:] = compiled.body_inertia[:] = 0.0
-    light = CheckedMachine(
-        geometry, compiled, mujoco.MjData(compiled), machine.model, machine.data, machine.places
-    )
+    light = replace(machine, compiled=compiled, state=mujoco.MjData(compiled))
     random = np.random.default_rng(SEED)
     nothing = np.zeros(10 * len(geometry.joints))
     for body, (joint, place) in machine.places.items():
@@ -339,8 +316,10 @@ def _torques(machine: CheckedMachine, motion: Motion, motions: list[np.ndarray])
     forces, in_tree = np.zeros(machine.geometry.nv), 0.0
     torques = np.empty((len(motion.time), len(machine.geometry.active)))
     for k, (q, v, a) in enumerate(zip(motion.q, motion.v, motion.a, strict=True)):
-        turn = place_state(machine, q, v)
+        turn = put_state(machine, q, v)
         machine.state.qacc[:] = turn.T @ (a - model_acceleration(machine, v))
+        for evaluate in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel):  # bodies may be massless
+            evaluate(machine.compiled, machine.state)
         mujoco.mj_rne(machine.compiled, machine.state, 1, forces)
         torques[k] = motions[k].T @ forces
         in_tree = max(in_tree, float(np.abs(forces).max()))

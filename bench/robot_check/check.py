@@ -14,7 +14,7 @@ from bench.model.closure import loop_residual
 from bench.model.cures import welds_as_connects
 from bench.model.geometry import Geometry, read_geometry
 from bench.model.mobility import check_assembled
-from bench.model.passive_ranges import PassiveRange, passive_ranges
+from bench.model.passive_ranges import passive_ranges
 from bench.model.states import LoosePosesError, random_motion
 from bench.robot_check import agreement
 from bench.robot_check.agreement import check_base_parameters
@@ -27,9 +27,8 @@ from bench.robot_check.machine import CheckedMachine, make_machine, random_open_
 from bench.robot_check.mobility import (
     check_mobility,
     check_rotors,
-    coupling_lines,
+    couplings_and_spins,
     mobility_of,
-    spin_notes,
     with_tilts,
 )
 from bench.robot_check.outcome import Check, CheckCode, RangeLeft
@@ -37,7 +36,7 @@ from bench.robot_check.report import (
     RobotReport,
     Singularity,
     check_home_ranges,
-    home_of,
+    home_source,
     joint_lines,
     loop_lines,
 )
@@ -50,15 +49,8 @@ def check_robot(robot: Robot) -> RobotReport:
     """Check a robot that `bench.dataset.robot.load_robot` has read; faults are in the report's `failures`."""
     compiled = robot.mjcf_model()
     features = check_features(compiled)
-    report = RobotReport(
-        robot,
-        joint_lines(compiled, robot),
-        (),
-        None,
-        None,
-        None,
-        (features, *locked_lines(robot), *notes(compiled, robot)),
-    )
+    checks = (features, *locked_lines(robot), *notes(compiled, robot))
+    report = RobotReport(robot, joint_lines(compiled, robot), (), None, None, None, checks)
     try:
         geometry = read_geometry(robot)
     except BenchError as error:
@@ -68,10 +60,8 @@ def check_robot(robot: Robot) -> RobotReport:
     machine = make_machine(geometry)
     report = replace(report, loops=loop_lines(machine))
     report = _with(report, *_same_tree(machine))
-    at_home, ranges = (
-        check_home(geometry, report.loops, home_of(compiled, robot)[1]),
-        check_home_ranges(report.joints),
-    )
+    at_home = check_home(geometry, report.loops, home_source(compiled, robot))
+    ranges = check_home_ranges(report.joints)
     if at_home.verdict != "failed":
         ranges = with_pose_in_ranges(geometry, ranges)
     report = _with(report, *_welds_too_much(geometry), at_home, ranges)
@@ -121,7 +111,7 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
     report = _with(replace(report, mobility=mobility), check_mobility(geometry, mobility))
     if report.failures:
         return report
-    report = _with(report, *coupling_lines(geometry), *spin_notes(geometry))
+    report = _with(report, *couplings_and_spins(geometry))
     try:
         check_assembled(geometry)
         swept = sweep(geometry) if geometry.closed else None
@@ -135,14 +125,11 @@ def _assembled(report: RobotReport, machine: CheckedMachine) -> RobotReport:
     report = _with(replace(report, base=base), check_rotors(geometry, base))
     if swept is not None:
         singularity = singularity_of(geometry, swept)
-        report = replace(report, singularity=singularity)
-        values = {"positions": singularity.singular_at, "units": singularity.units}
-        met = (
-            []
-            if values["positions"] is None
-            else [Check(CheckCode.SINGULARITY_WITHIN_RANGES, "note", values)]
-        )
-        report = _with(report, _regular_home(singularity), *met, *_passive_ranges(geometry, swept))
+        report = _with(replace(report, singularity=singularity), _regular_home(singularity))
+        if singularity.singular_at is not None:
+            values = {"positions": singularity.singular_at, "units": singularity.units}
+            report = _with(report, Check(CheckCode.SINGULARITY_WITHIN_RANGES, "note", values))
+        report = _with(report, *_passive_ranges(geometry, swept))
         report = _with(report, check_constraints(machine, motion.q), check_closed_motion(machine, motion))
     return _with(
         report,
@@ -172,27 +159,21 @@ def _regular_home(singularity: Singularity) -> Check:
 def _passive_ranges(geometry: Geometry, swept: SingularitySweep) -> list[Check]:
     """A note on joints without an independent motor that leave their ranges while the motors stay within theirs."""
     redundant = {actuator.joint for actuator in geometry.robot.redundant}
-    joints = [
-        travel
-        for limit in passive_ranges(geometry)
-        if (travel := _beyond(limit, swept.q, limit.joint in redundant)) is not None
-    ]
+    joints: list[RangeLeft] = []
+    for limit in passive_ranges(geometry):
+        at, lower = limit.at(swept.q), limit.low if np.isfinite(limit.low) else 0.0
+        allowed = ROUNDED * (limit.high - lower)  # a rounding of its numbers
+        if at.min() < limit.low - allowed or at.max() > limit.high + allowed:
+            lowest, highest, lower, upper = (
+                float(end) + limit.offset for end in (at.min(), at.max(), lower, limit.high)
+            )
+            travel: RangeLeft = {
+                "joint": limit.joint,
+                "redundant": limit.joint in redundant,
+                "lowest": lowest,
+                "highest": highest,
+                "lower": lower,
+                "upper": upper,
+            }
+            joints.append(travel)
     return [Check(CheckCode.PASSIVE_RANGE_LEFT, "note", {"joints": joints})] if joints else []
-
-
-def _beyond(limit: PassiveRange, q: np.ndarray, redundant: bool) -> RangeLeft | None:
-    """The travel of a joint over the poses q (N, nq), if it leaves its range by more than a rounding of its numbers."""
-    at = limit.at(q)
-    lowest, highest = float(at.min()), float(at.max())
-    lower = limit.low if np.isfinite(limit.low) else 0.0
-    allowed = ROUNDED * (limit.high - lower)
-    if lowest >= limit.low - allowed and highest <= limit.high + allowed:
-        return None
-    return {
-        "joint": limit.joint,
-        "redundant": redundant,
-        "lowest": lowest + limit.offset,
-        "highest": highest + limit.offset,
-        "lower": lower + limit.offset,
-        "upper": limit.high + limit.offset,
-    }

@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass
 import mujoco
 import numpy as np
 
-from bench.model.geometry import Geometry
-from bench.robot_check.machine import body_label, to_mujoco
+from bench.model.geometry import Geometry, to_mujoco
+from bench.robot_check.machine import body_label
 from bench.robot_check.outcome import Check, CheckCode
 
 
@@ -26,14 +26,19 @@ class GeomPair:
 
 def geom_pair(compiled: mujoco.MjModel, first: int, second: int) -> GeomPair:
     """Two geoms, by index."""
-    both = (first, second)
     listed = {*zip(compiled.pair_geom1.tolist(), compiled.pair_geom2.tolist(), strict=True)}
-    return GeomPair(
-        geoms=(compiled.geom(first).name, compiled.geom(second).name),
-        shapes=(_shape(compiled, first), _shape(compiled, second)),
-        bodies=(_body(compiled, first), _body(compiled, second)),
-        listed=both in listed or both[::-1] in listed,
+    geoms, shapes, bodies = zip(
+        *(
+            (
+                compiled.geom(geom).name,
+                mujoco.mjtGeom(int(compiled.geom_type[geom])).name.removeprefix("mjGEOM_").lower(),
+                body_label(compiled, int(compiled.geom_bodyid[geom])),
+            )
+            for geom in (first, second)
+        ),
+        strict=True,
     )
+    return GeomPair(geoms, shapes, bodies, (first, second) in listed or (second, first) in listed)
 
 
 def active_contacts(data: mujoco.MjData) -> Iterator[tuple[int, tuple[int, int]]]:
@@ -49,7 +54,9 @@ def check_contacts(geometry: Geometry, poses: np.ndarray) -> list[Check]:
     """A note if geoms touch at home or at the closed poses (N, nq)."""
     compiled = geometry.robot.mjcf_model()
     data = mujoco.MjData(compiled)
-    at_home, *others = (_touching(compiled, data, to_mujoco(geometry, q)) for q in (geometry.home, *poses))
+    at_home, *others = (
+        _touching(compiled, data, to_mujoco(geometry.joints, q[None])[0]) for q in (geometry.home, *poses)
+    )
     often = Counter(pair for pairs in others for pair in pairs).most_common()
     pairs = list(dict.fromkeys([*at_home, *(pair for pair, _ in often)]))
     if not pairs:
@@ -67,11 +74,3 @@ def _touching(compiled: mujoco.MjModel, data: mujoco.MjData, qpos: np.ndarray) -
     data.qpos[:] = qpos
     mujoco.mj_fwdPosition(compiled, data)
     return list(dict.fromkeys(pair for _, pair in active_contacts(data)))
-
-
-def _shape(compiled: mujoco.MjModel, geom: int) -> str:
-    return mujoco.mjtGeom(int(compiled.geom_type[geom])).name.removeprefix("mjGEOM_").lower()
-
-
-def _body(compiled: mujoco.MjModel, geom: int) -> str:
-    return body_label(compiled, int(compiled.geom_bodyid[geom]))

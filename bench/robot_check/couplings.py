@@ -27,26 +27,20 @@ def equation_of(geometry: Geometry, coupling: Coupling) -> Equation:
 
 def contradictions(geometry: Geometry, inside: Mapping[int, Span]) -> list[RangeConflict]:
     """Couplings that no positions satisfy. inside: by joint, the positions that count, in the tree's coordinates."""
-    return [
-        {**equation_of(geometry, coupling), "ranges": _ranges(geometry, coupling)}
-        for coupling in geometry.couplings
-        if not _meet(
-            _sum_of(coupling.first, inside), _image(coupling.polynomial, _sum_of(coupling.second, inside))
-        )
-    ]
-
-
-def _ranges(geometry: Geometry, coupling: Coupling) -> list[JointRange]:
-    joints = (geometry.joints[joint] for joint, _ in (*coupling.first, *coupling.second))
-    return [
-        {"joint": joint.name, "lower": joint.limits[0], "upper": joint.limits[1]}
-        for joint in joints
-        if joint.limits is not None
-    ]
-
-
-def _meet(first: Span, second: Span) -> bool:
-    return first[0] <= second[1] and second[0] <= first[1]
+    conflicts: list[RangeConflict] = []
+    for coupling in geometry.couplings:
+        first = _sum_of(coupling.first, inside)
+        second = _image(coupling.polynomial, _sum_of(coupling.second, inside))
+        if first[0] <= second[1] and second[0] <= first[1]:
+            continue
+        joints = (geometry.joints[joint] for joint, _ in (*coupling.first, *coupling.second))
+        ranges: list[JointRange] = [
+            {"joint": joint.name, "lower": joint.limits[0], "upper": joint.limits[1]}
+            for joint in joints
+            if joint.limits is not None
+        ]
+        conflicts.append({**equation_of(geometry, coupling), "ranges": ranges})
+    return conflicts
 
 
 def _sum_of(side: Iterable[tuple[int, float]], inside: Mapping[int, Span]) -> Span:

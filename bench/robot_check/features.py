@@ -36,11 +36,8 @@ def check_features(compiled: mujoco.MjModel) -> Check:
 
 def locked_lines(robot: Robot) -> list[Check]:
     """The joints that robot.toml locks."""
-    return (
-        [Check(CheckCode.JOINTS_LOCKED, "ok", {"joints": locked_as_data(robot.locked)})]
-        if robot.locked
-        else []
-    )
+    joints = locked_as_data(robot.locked)
+    return [Check(CheckCode.JOINTS_LOCKED, "ok", {"joints": joints})] if joints else []
 
 
 def notes(compiled: mujoco.MjModel, robot: Robot) -> list[Check]:
@@ -53,40 +50,19 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
     keys = [compiled.key(key).name for key in range(compiled.nkey)]
     if keys and "home" not in keys and compiled.neq:
         yield CheckCode.KEYFRAMES_UNUSED, {"keyframes": [key for key in keys if key] or ["the first one"]}
-    for index in range(compiled.neq):
-        if not compiled.eq_active0[index]:
-            label = label_of(compiled, mujoco.mjtObj.mjOBJ_EQUALITY, index)
-            yield CheckCode.EQUALITY_INACTIVE, {"equality": label}
-    for term, fields in FORCES.items():
-        joints = _joints_with(compiled, fields)
-        if term == "armature":  # of a driven joint it is a base parameter, or part of one
-            joints = [joint for joint in joints if joint not in robot.driven]
-        if joints:
-            balls, free = (
-                [joint for joint in joints if joint in _of_kind(compiled, kind)]
-                for kind in (mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_FREE)
-            )
-            unfitted = free if CATALOGUE[_effect_of(term, "passive")].in_balls else [*balls, *free]
-            fitted = [joint for joint in joints if joint not in unfitted]
-            driven_first = sorted(fitted, key=lambda joint: joint not in robot.driven)
-            effects = [
-                f"{_effect_of(term, 'actuator' if joint in robot.driven else 'passive')}:{joint}"
-                for joint in driven_first
-            ]
-            as_a_whole = balls if term == "frictionloss" else []
-            values = {
-                "term": term,
-                "joints": joints,
-                "effects": effects,
-                "unfitted": unfitted,
-                "as_a_whole": as_a_whole,
-            }
-            yield CheckCode.JOINT_FORCE_NOT_MODELLED, values
+    for index in np.flatnonzero(compiled.eq_active0 == 0).tolist():
+        label = label_of(compiled, mujoco.mjtObj.mjOBJ_EQUALITY, index)
+        yield CheckCode.EQUALITY_INACTIVE, {"equality": label}
+    yield from _joint_forces(compiled, robot)
     gap, unit = home_gap(robot.mjcf_as_drawn())
     if CLOSED < gap <= ROUNDING:
         yield CheckCode.DRAWING_ROUNDED, {"gap": gap, "unit": unit}
     yield from _sizes(compiled)
-    yield from _surroundings(compiled)
+    if compiled.opt.density or compiled.opt.viscosity:
+        medium = {"density": float(compiled.opt.density), "viscosity": float(compiled.opt.viscosity)}
+        yield CheckCode.MEDIUM_NOT_MODELLED, medium
+    if not compiled.opt.gravity.any():
+        yield CheckCode.GRAVITY_ZERO, {}
     if compiled.nplugin:
         yield CheckCode.PLUGINS_NOT_MODELLED, {"plugins": int(compiled.nplugin)}
     if compiled.nactuator:
@@ -100,12 +76,35 @@ def _notes(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, 
         yield CheckCode.TOOL_MISSING, {"sites": [name for name in names if name]}
 
 
-def _surroundings(compiled: mujoco.MjModel) -> Iterator[tuple[CheckCode, dict[str, Any]]]:
-    if compiled.opt.density or compiled.opt.viscosity:
-        medium = {"density": float(compiled.opt.density), "viscosity": float(compiled.opt.viscosity)}
-        yield CheckCode.MEDIUM_NOT_MODELLED, medium
-    if not compiled.opt.gravity.any():
-        yield CheckCode.GRAVITY_ZERO, {}
+def _joint_forces(compiled: mujoco.MjModel, robot: Robot) -> Iterator[tuple[CheckCode, dict[str, Any]]]:
+    """Springs, dampers, friction and rotors in the joints, with the effects that represent them."""
+    labels = [label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, joint) for joint in range(compiled.njnt)]
+    kinds = dict(zip(labels, compiled.jnt_type.tolist(), strict=True))
+    for term, fields in FORCES.items():
+        joints = [
+            label
+            for label, joint, first in zip(labels, range(compiled.njnt), compiled.jnt_dofadr, strict=True)
+            if any(
+                getattr(compiled, name)[joint if name.startswith("jnt_") else first].any() for name in fields
+            )
+        ]
+        if term == "armature":  # of a driven joint it is a base parameter, or part of one
+            joints = [joint for joint in joints if joint not in robot.driven]
+        if not joints:
+            continue
+        balls, free = (
+            [joint for joint in joints if kinds[joint] == int(kind)]
+            for kind in (mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_FREE)
+        )
+        unfitted = free if CATALOGUE[_effect_of(term, "passive")].in_balls else [*balls, *free]
+        fitted = [joint for joint in joints if joint not in unfitted]
+        effects = [
+            f"{_effect_of(term, 'actuator' if joint in robot.driven else 'passive')}:{joint}"
+            for joint in sorted(fitted, key=lambda joint: joint not in robot.driven)
+        ]
+        values = {"term": term, "joints": joints, "effects": effects, "unfitted": unfitted}
+        values["as_a_whole"] = balls if term == "frictionloss" else []
+        yield CheckCode.JOINT_FORCE_NOT_MODELLED, values
 
 
 def _of_the_file(robot: Robot) -> Iterator[tuple[CheckCode, dict[str, Any]]]:
@@ -141,14 +140,6 @@ def _ranges_in_degrees(robot: Robot) -> list[str]:
     return [joint.name for joint in hinges]
 
 
-def _of_kind(compiled: mujoco.MjModel, kind: mujoco.mjtJoint) -> list[str]:
-    return [
-        label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, joint)
-        for joint in range(compiled.njnt)
-        if int(compiled.jnt_type[joint]) == int(kind)
-    ]
-
-
 def _effect_of(term: MjcfTerm, place: Place) -> str:
     """The effect of the catalogue with the law of this MJCF term, for a joint with or without a motor."""
     return next(name for name, effect in CATALOGUE.items() if (effect.in_mjcf, effect.place) == (term, place))
@@ -156,7 +147,8 @@ def _effect_of(term: MjcfTerm, place: Place) -> str:
 
 def _sizes(compiled: mujoco.MjModel) -> Iterator[tuple[CheckCode, dict[str, Any]]]:
     """Lengths and masses that seem to be in other units."""
-    if (length := _furthest(compiled)) > PLAUSIBLE.length:
+    places = np.vstack((compiled.body_pos, compiled.site_pos))  # in their parents
+    if (length := float(np.linalg.norm(places, axis=1).max(initial=0.0))) > PLAUSIBLE.length:
         yield CheckCode.LENGTHS_LARGE, {"length": length}
     heavy = {
         label_of(compiled, mujoco.mjtObj.mjOBJ_BODY, int(body)): float(compiled.body_mass[body])
@@ -164,23 +156,3 @@ def _sizes(compiled: mujoco.MjModel) -> Iterator[tuple[CheckCode, dict[str, Any]
     }
     if heavy:
         yield CheckCode.MASSES_LARGE, {"masses": heavy}
-
-
-def _furthest(compiled: mujoco.MjModel) -> float:
-    """The largest distance of a body or site from its parent, m."""
-    places = [
-        np.linalg.norm(part, axis=1).max(initial=0.0) for part in (compiled.body_pos, compiled.site_pos)
-    ]
-    return float(max(places))
-
-
-def _joints_with(compiled: mujoco.MjModel, fields: tuple[str, ...]) -> list[str]:
-    names = []
-    for joint in range(compiled.njnt):
-        first = int(compiled.jnt_dofadr[joint])
-        for field in fields:
-            values = getattr(compiled, field)
-            if np.any(values[joint] if field.startswith("jnt_") else values[first]):
-                names.append(label_of(compiled, mujoco.mjtObj.mjOBJ_JOINT, joint))
-                break
-    return names

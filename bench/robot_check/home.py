@@ -1,8 +1,7 @@
 """Whether the robot is assembled at home, and if not, a pose in which it is."""
 
-from collections.abc import Collection, Iterator
-from dataclasses import asdict, dataclass, replace
-from enum import IntEnum
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -11,14 +10,13 @@ import numpy as np
 from bench.model.bounds import CLOSURE
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.configuration import integrate, normalised
-from bench.model.geometry import Geometry, Joint, from_mujoco
+from bench.model.geometry import Geometry, Joint, from_mujoco, to_mujoco
 from bench.model.mobility import column_scales, free_motions, smallest_singular_values
 from bench.model.passive_ranges import passive_ranges
 from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.couplings import contradictions
-from bench.robot_check.machine import to_mujoco
 from bench.robot_check.outcome import Check, CheckCode, Verdict
-from bench.robot_check.report import HomeSource, LoopLine
+from bench.robot_check.report import LoopLine
 
 ASSEMBLED = 1e-6  # m or rad: a wider gap is an error
 EXACT = 1e-9  # m or rad: a wider gap is reported
@@ -31,14 +29,13 @@ MARGIN = 0.05  # of a joint's range, which planned motions keep free at both end
 DEPENDENT = 1e-7  # singular values below this share of the largest are omitted from a step
 
 
-def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: HomeSource) -> Check:
+def check_home(geometry: Geometry, loops: tuple[LoopLine, ...], source: Mapping[str, int | None]) -> Check:
     """Whether every loop is closed in the home pose; `source`: where that pose comes from."""
-    origin = asdict(source)
     if not loops:
-        return Check(CheckCode.HOME_WITHOUT_LOOPS, "ok", origin)
+        return Check(CheckCode.HOME_WITHOUT_LOOPS, "ok", source)
     widest = max(loops, key=lambda loop: max(loop.gap, loop.twist))
     gap = max(widest.gap, widest.twist)
-    opening = {"gap": gap, "unit": "m" if widest.gap >= widest.twist else "rad", **origin}
+    opening = {"gap": gap, "unit": "m" if widest.gap >= widest.twist else "rad", **source}
     if gap < EXACT:
         return Check(CheckCode.HOME_CLOSED, "ok", opening)
     opening["loop"] = widest.name
@@ -112,7 +109,7 @@ def _pose_or_reason(geometry: Geometry, closed: np.ndarray | None, accepted: boo
 
 def file_qpos(geometry: Geometry, q: np.ndarray) -> list[float]:
     """A pose (nq,) as a keyframe of the MJCF, with the locked joints."""
-    return geometry.robot.file_qpos(to_mujoco(geometry, q).tolist())
+    return geometry.robot.file_qpos(to_mujoco(geometry.joints, q[None])[0].tolist())
 
 
 def _pose_inside(geometry: Geometry) -> tuple[np.ndarray | None, bool]:
@@ -120,7 +117,7 @@ def _pose_inside(geometry: Geometry) -> tuple[np.ndarray | None, bool]:
     if not geometry.closed:
         return _put_into_ranges(geometry, geometry.home[:, None])[:, 0], True
     best = _best(geometry, _starts_inside(geometry))
-    return (None, False) if best is None else (best.q, _at_end(geometry, best.q) is None)
+    return best, best is not None and _at_end(geometry, best) is None
 
 
 def _starts_inside(geometry: Geometry) -> Iterator[tuple[np.ndarray, np.ndarray]]:
@@ -145,36 +142,17 @@ def closed_pose(geometry: Geometry) -> np.ndarray | None:
     into their ranges, and random poses, each with the motors held, then with all joints free; random poses put into the
     ranges, with all joints free. The answer is the first pose of the highest grade that any of them has.
     """
-    best = _best(geometry, _starts(geometry))
-    return None if best is None else best.q
+    return _best(geometry, _starts(geometry))
 
 
-class Grade(IntEnum):
-    """Of a closed pose, the best last: nearly singular or regular; beyond a joint range, within all, and further inside
-    than MARGIN.
+def _best(geometry: Geometry, starts: Iterator[tuple[np.ndarray, np.ndarray]]) -> np.ndarray | None:
+    """The first of the closed poses (nq,) with the highest grade, from the first start that reaches it; of the poses
+    from one start, the one with the largest smallest singular value. Joints that nothing holds make no pose singular.
+
+    Grades: 0 nearly singular, 3 regular; 1 more within all joint ranges, 2 more further inside than MARGIN.
     """
-
-    SINGULAR = 0
-    SINGULAR_WITHIN = 1
-    SINGULAR_INSIDE = 2
-    REGULAR = 3
-    REGULAR_WITHIN = 4
-    REGULAR_INSIDE = 5
-
-
-@dataclass(frozen=True)
-class _Graded:
-    """A closed pose q (nq,)."""
-
-    q: np.ndarray
-    grade: Grade
-
-
-def _best(geometry: Geometry, starts: Iterator[tuple[np.ndarray, np.ndarray]]) -> _Graded | None:
-    """The first of the closed poses with the highest grade, from the first start that reaches it; of the poses from one
-    start, the one with the largest smallest singular value. Joints that nothing holds make no pose singular.
-    """
-    best: _Graded | None = None
+    best: np.ndarray | None = None
+    highest = -1
     loose = free_motions(geometry, _random_starts(geometry).T)
     for start, free in starts:
         poses = _turned_into_ranges(geometry, _closed(geometry, start, free))
@@ -184,9 +162,9 @@ def _best(geometry: Geometry, starts: Iterator[tuple[np.ndarray, np.ndarray]]) -
         inside = np.array([_at_end(geometry, pose) is None for pose in poses])
         grades = 3 * (held > PLAUSIBLE.regular) + _within_ranges(geometry, poses) + inside
         index = int(np.lexsort((held, grades))[-1])
-        if best is None or grades[index] > best.grade:
-            best = _Graded(np.asarray(poses[index]), Grade(grades[index]))
-        if best.grade == Grade.REGULAR_INSIDE:
+        if grades[index] > highest:
+            best, highest = np.asarray(poses[index]), int(grades[index])
+        if highest == 5:
             break
     return best
 

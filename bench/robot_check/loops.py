@@ -7,44 +7,33 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
-from bench.dataset.locked_couplings import held_bodies
 from bench.model.closure import loop_jacobian, loop_residual
 from bench.model.follow import loop_constraints
-from bench.model.geometry import Geometry, Loop
+from bench.model.geometry import rotation_matrix
 from bench.model.motion import Motion
+from bench.model.supported import CLOSURES
 from bench.robot_check.bounds import AGREEMENT
-from bench.robot_check.machine import CheckedMachine, body_label, rotation_matrix, set_pose
+from bench.robot_check.machine import CheckedMachine, set_pose
 from bench.robot_check.outcome import Check, CheckCode
 
 FIRST = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / 12.0  # differences of fourth order
 SECOND = np.array([-1.0, 16.0, -30.0, 16.0, -1.0]) / 12.0
 
 
-CLOSING = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
-
-
-def active_equalities(compiled: mujoco.MjModel) -> list[int]:
-    """MuJoCo's indices of the active loop closures, in the order of the geometry's loops."""
-    return [index for index in _active(compiled) if int(compiled.eq_type[index]) in CLOSING]
-
-
-def active_couplings(compiled: mujoco.MjModel) -> list[int]:
-    """MuJoCo's indices of the active couplings, in the order of the geometry's couplings."""
-    return [index for index in _active(compiled) if int(compiled.eq_type[index]) not in CLOSING]
-
-
-def _active(compiled: mujoco.MjModel) -> list[int]:
-    return [index for index in range(compiled.neq) if compiled.eq_active0[index]]
+def active_equalities(compiled: mujoco.MjModel) -> tuple[list[int], list[int]]:
+    """MuJoCo's indices of the active loop closures, and of the active couplings, in the geometry's order."""
+    active = np.flatnonzero(compiled.eq_active0)
+    closing = np.isin(compiled.eq_type[active], CLOSURES)
+    return active[closing].tolist(), active[~closing].tolist()
 
 
 def check_constraints(machine: CheckedMachine, poses: np.ndarray) -> Check:
     """Residual and Jacobian of every loop and coupling at the closed configurations poses (N, nq)."""
     geometry = machine.geometry
-    equalities = active_equalities(machine.compiled)
-    if len(equalities) != len(geometry.loops):
-        counts = {"mujoco": len(equalities), "model": len(geometry.loops)}
+    loops, couplings = active_equalities(machine.compiled)
+    if len(loops) != len(geometry.loops):
+        counts = {"mujoco": len(loops), "model": len(geometry.loops)}
         return Check(CheckCode.LOOP_COUNTS_DIFFER, "failed", counts)
-    couplings = active_couplings(machine.compiled)
     names = [*(loop.name for loop in geometry.loops), *(coupling.name for coupling in geometry.couplings)]
     worst = np.zeros((len(names), 2))
     for q in poses:
@@ -54,20 +43,16 @@ def check_constraints(machine: CheckedMachine, poses: np.ndarray) -> Check:
         )
         pinocchio = _pinocchio_rows(machine, q, turn)
         row = 0
-        for index, (loop, equality) in enumerate(zip(geometry.loops, equalities, strict=True)):
+        for index, equality in enumerate((*loops, *couplings)):
             theirs = _mujoco_rows(machine, equality)
-            for ours in (rows[row : row + loop.size], pinocchio[index]):
+            # a residual in a frame that rotates adds to one of the Jacobians
+            turning = 2.0 * np.abs(theirs[:, 0]).max() if index < len(loops) else 0.0
+            for ours in (rows[row : row + len(theirs)], *pinocchio[index : index + 1]):
                 apart = np.abs(ours - theirs)
-                open_by = np.abs(
-                    theirs[:, 0]
-                ).max()  # a residual in a frame that rotates adds to one of the Jacobians
-                turned = max(apart[:, 1:].max() - 2.0 * open_by, 0.0)
-                worst[index] = np.maximum(worst[index], (apart[:, 0].max(), turned))
-            row += loop.size
-        for index, equality in enumerate(couplings, start=len(geometry.loops)):
-            apart = np.abs(rows[row] - _coupling_row(machine, equality))
-            worst[index] = np.maximum(worst[index], (apart[0], apart[1:].max()))
-            row += 1
+                worst[index] = np.maximum(
+                    worst[index], (apart[:, 0].max(), max(apart[:, 1:].max() - turning, 0.0))
+                )
+            row += len(theirs)
     if worst.max() < AGREEMENT.closed:
         agreed = {"poses": len(poses), "difference": float(worst.max())}
         return Check(CheckCode.LOOP_CLOSURES_AGREE, "ok", agreed)
@@ -101,35 +86,30 @@ def check_closed_motion(machine: CheckedMachine, motion: Motion) -> Check:
 
 def _mujoco_residual(machine: CheckedMachine, q: np.ndarray) -> np.ndarray:
     set_pose(machine, q)
-    loops = [_mujoco_rows(machine, index)[:, 0] for index in active_equalities(machine.compiled)]
-    couplings = [_coupling_row(machine, index)[:1] for index in active_couplings(machine.compiled)]
-    return np.concatenate(loops + couplings)
-
-
-def _coupling_row(machine: CheckedMachine, equality: int) -> np.ndarray:
-    """MuJoCo's residual and Jacobian (1 + nv,) of one coupling."""
-    compiled, state = machine.compiled, machine.state
-    rows = (state.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY) & (state.efc_id == equality)
-    jacobian = state.efc_J.reshape(-1, compiled.nv)[rows]
-    return np.hstack((state.efc_pos[rows, None], jacobian))[0]
+    loops, couplings = active_equalities(machine.compiled)
+    return np.concatenate([_mujoco_rows(machine, index)[:, 0] for index in (*loops, *couplings)])
 
 
 def _mujoco_rows(machine: CheckedMachine, equality: int) -> np.ndarray:
-    """MuJoCo's residual and Jacobian (3 or 6, 1 + nv) of one equality, in the model's form."""
+    """MuJoCo's residual and Jacobian (1, 3 or 6, 1 + nv) of one equality, in the model's form."""
     compiled, state = machine.compiled, machine.state
-    weld = compiled.eq_type[equality] == mujoco.mjtEq.mjEQ_WELD
+    kind = compiled.eq_type[equality]
     rows = (state.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY) & (state.efc_id == equality)
-    jacobian = state.efc_J.reshape(-1, compiled.nv)[rows]
-    both = -np.hstack((state.efc_pos[rows, None], jacobian))  # MuJoCo has first minus second
+    both = np.hstack((state.efc_pos[rows, None], state.efc_J.reshape(-1, compiled.nv)[rows]))
+    if kind not in CLOSURES:
+        return both
+    weld = kind == mujoco.mjtEq.mjEQ_WELD
     if not len(both):  # MuJoCo omits a loop that nothing can move
         return np.zeros((6 if weld else 3, 1 + compiled.nv))
+    both = -both  # MuJoCo has first minus second
     if weld:
         # MuJoCo's rows are half the rotation vector times torquescale, in the frame of the second end; after a whole
         # turn relative to the drawing, its quaternion and these rows have the opposite sign
         scale = compiled.eq_data[equality, 10] * (
             1.0 if _weld_quaternion(machine, equality)[0] > 0.0 else -1.0
         )
-        both[3:] = _second_rotation(machine, equality) @ both[3:] * (2.0 / scale)
+        _, (_, second) = equality_ends(compiled, state, equality)
+        both[3:] = second @ both[3:] * (2.0 / scale)
     return both
 
 
@@ -150,13 +130,6 @@ def _product(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     product = np.zeros(4)
     mujoco.mju_mulQuat(product, first, second)
     return product
-
-
-def _second_rotation(machine: CheckedMachine, equality: int) -> np.ndarray:
-    second = int(machine.compiled.eq_obj2id[equality])
-    by_site = machine.compiled.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE
-    matrices = machine.state.site_xmat if by_site else machine.state.xmat
-    return np.array(matrices[second]).reshape(3, 3)
 
 
 def _pinocchio_rows(machine: CheckedMachine, q: np.ndarray, turn: np.ndarray) -> list[np.ndarray]:
@@ -180,44 +153,31 @@ def gaps(machine: CheckedMachine, q: np.ndarray) -> list[tuple[float, float]]:
     """The opening of each loop at q (nq,) from MuJoCo's body poses: m between the points, rad for a weld, else 0."""
     set_pose(machine, q)
     distances = []
-    for loop, equality in zip(machine.geometry.loops, active_equalities(machine.compiled), strict=True):
-        ends = _mujoco_ends(machine, equality, loop)
-        (first, first_turn), (second, second_turn) = ends
-        turn = 0.0
-        if loop.kind == "weld":
-            cosine = (np.trace(first_turn.T @ second_turn) - 1.0) / 2.0
-            sine = np.linalg.norm(_vee(first_turn.T @ second_turn))
-            turn = float(np.arctan2(sine, cosine))
-        distances.append((float(np.linalg.norm(second - first)), turn))
+    for equality in active_equalities(machine.compiled)[0]:
+        (first, first_turn), (second, second_turn) = equality_ends(machine.compiled, machine.state, equality)
+        angle = 0.0
+        if machine.compiled.eq_type[equality] == mujoco.mjtEq.mjEQ_WELD:
+            turn = first_turn.T @ second_turn
+            axis = 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+            angle = float(np.arctan2(np.linalg.norm(axis), (np.trace(turn) - 1.0) / 2.0))
+        distances.append((float(np.linalg.norm(second - first)), angle))
     return distances
 
 
-def _mujoco_ends(machine: CheckedMachine, equality: int, loop: Loop) -> list[tuple[np.ndarray, np.ndarray]]:
-    compiled, state = machine.compiled, machine.state
+def equality_ends(
+    compiled: mujoco.MjModel, state: mujoco.MjData, equality: int
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Position (3,) m and rotation (3, 3) in the world of both ends that a connect or weld holds together."""
     ids = int(compiled.eq_obj1id[equality]), int(compiled.eq_obj2id[equality])
     if compiled.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE:
         return [(state.site_xpos[site], state.site_xmat[site].reshape(3, 3)) for site in ids]
-    parts = compiled.eq_data[equality]
-    # eq_data begins with a connect's first anchor, but a weld's second; its elements 6 to 9 rotate a weld's first end
-    anchors = (parts[0:3], parts[3:6]) if loop.kind == "connect" else (parts[3:6], parts[0:3])
-    turns = [np.eye(3), np.eye(3)]
-    if loop.kind == "weld":
-        turns[0] = rotation_matrix(parts[6:10])
+    parts, turns = compiled.eq_data[equality], [np.eye(3), np.eye(3)]
+    anchors = [parts[0:3], parts[3:6]]
+    if compiled.eq_type[equality] == mujoco.mjtEq.mjEQ_WELD:
+        # eq_data begins with a weld's second anchor; its elements 6 to 9 rotate a weld's first end
+        anchors, turns[0] = anchors[::-1], rotation_matrix(parts[6:10])
     ends = []
     for body, anchor, turn in zip(ids, anchors, turns, strict=True):
         rotation = state.xmat[body].reshape(3, 3)
         ends.append((state.xpos[body] + rotation @ anchor, rotation @ turn))
     return ends
-
-
-def loop_bodies(geometry: Geometry, compiled: mujoco.MjModel) -> list[tuple[str, str]]:
-    """The two bodies that each loop of the geometry connects."""
-    pairs = []
-    for equality, _ in zip(active_equalities(compiled), geometry.loops, strict=True):
-        first, second = held_bodies(compiled, equality)
-        pairs.append((body_label(compiled, first), body_label(compiled, second)))
-    return pairs
-
-
-def _vee(turn: np.ndarray) -> np.ndarray:
-    return 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])

@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from bench.model.follow import build_tree
-from bench.model.geometry import Geometry, Placement
+from bench.model.geometry import Geometry, Placement, rotation_matrix, to_mujoco
 from bench.model.supported import label_of
 from bench.robot_check.bounds import AGREEMENT
 
@@ -26,20 +26,16 @@ class CheckedMachine:
     """By MuJoCo body: the model's joint that carries it (-1: the world), its placement in that joint's frame."""
 
 
-def compiled_model(geometry: Geometry) -> mujoco.MjModel:
-    """The MJCF with dense constraint rows, of its equalities only."""
+def make_machine(geometry: Geometry) -> CheckedMachine:
+    """Both libraries' models: the MJCF with dense constraint rows of its equalities only, and the model's tree with
+    the masses of the MJCF.
+    """
     compiled = geometry.robot.mjcf_model()
     compiled.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     for flag in ("CONTACT", "LIMIT", "FRICTIONLOSS"):
         compiled.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}"))
-    return compiled
-
-
-def make_machine(geometry: Geometry) -> CheckedMachine:
-    """Both libraries' models, the model's tree with the masses of the MJCF."""
-    compiled = compiled_model(geometry)
     model = build_tree(geometry)
-    places = body_places(compiled)
+    places = {body: geometry.body_frames[body_label(compiled, body)] for body in range(compiled.nbody)}
     for body, (joint, place) in places.items():
         if joint >= 0:
             frame = pin.SE3(place.rotation, place.translation)
@@ -48,68 +44,21 @@ def make_machine(geometry: Geometry) -> CheckedMachine:
     return CheckedMachine(geometry, compiled, mujoco.MjData(compiled), model, model.createData(), places)
 
 
-def body_places(compiled: mujoco.MjModel) -> dict[int, tuple[int, Placement]]:
-    """The joint that carries each body, from MuJoCo's tree: index (-1: the world), placement in the joint's frame.
-
-    A joint frame has the orientation of the body that the joint moves, and its origin at the joint.
-    """
-    places = {0: (-1, Placement(np.eye(3), np.zeros(3)))}
-    for body in range(1, compiled.nbody):
-        count = int(compiled.body_jntnum[body])
-        if count:
-            joint = int(compiled.body_jntadr[body]) + count - 1
-            free = compiled.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE
-            point = np.zeros(3) if free else compiled.jnt_pos[joint]
-            places[body] = (joint, Placement(np.eye(3), -point))
-            continue
-        joint, frame = places[int(compiled.body_parentid[body])]
-        placement = Placement(rotation_matrix(compiled.body_quat[body]), compiled.body_pos[body])
-        places[body] = (joint, frame @ placement)
-    return places
-
-
-def rotation_matrix(quaternion: np.ndarray) -> np.ndarray:
-    """The rotation matrix (3, 3) of a quaternion w x y z."""
-    matrix = np.empty(9)
-    mujoco.mju_quat2Mat(matrix, np.asarray(quaternion, dtype=float))
-    return matrix.reshape(3, 3)
-
-
-def to_mujoco(geometry: Geometry, q: np.ndarray) -> np.ndarray:
-    """The model's configuration (nq,) as MuJoCo's qpos: offsets added, quaternions w x y z."""
-    qpos = q.copy()
-    for joint in geometry.joints:
-        if joint.kind in ("hinge", "slide"):
-            qpos[joint.q] += joint.offset
-        else:
-            quaternion = slice(joint.q.stop - 4, joint.q.stop)
-            qpos[quaternion] = np.roll(q[quaternion], 1)
-    return qpos
-
-
 def set_pose(machine: CheckedMachine, q: np.ndarray, v: np.ndarray | None = None) -> np.ndarray:
     """Set MuJoCo to the model's state q (nq,), v (nv,), evaluate it, and return T (nv, nv): v = T qvel.
 
     A free joint's linear velocity is in its frame in Pinocchio, and in world axes in MuJoCo.
     """
-    turn = _put(machine, q, v)
+    turn = put_state(machine, q, v)
     mujoco.mj_fwdPosition(machine.compiled, machine.state)
     mujoco.mj_fwdVelocity(machine.compiled, machine.state)
     return turn
 
 
-def place_state(machine: CheckedMachine, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """As `set_pose`, but only positions and velocities are evaluated, so that bodies may be massless."""
-    turn = _put(machine, q, v)
-    mujoco.mj_kinematics(machine.compiled, machine.state)
-    mujoco.mj_comPos(machine.compiled, machine.state)
-    mujoco.mj_comVel(machine.compiled, machine.state)
-    return turn
-
-
-def _put(machine: CheckedMachine, q: np.ndarray, v: np.ndarray | None) -> np.ndarray:
+def put_state(machine: CheckedMachine, q: np.ndarray, v: np.ndarray | None) -> np.ndarray:
+    """As `set_pose`, without evaluating it."""
     state, geometry = machine.state, machine.geometry
-    state.qpos[:] = to_mujoco(geometry, q)
+    state.qpos[:] = to_mujoco(geometry.joints, q[None])[0]
     turn = np.eye(geometry.nv)
     for joint in geometry.joints:
         if joint.kind == "free":

@@ -16,8 +16,8 @@ from bench.model.spin import idle_spins
 from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.couplings import equation_of
 from bench.robot_check.home import closed_pose, file_qpos
-from bench.robot_check.home_key import home_key
 from bench.robot_check.outcome import Check, CheckCode
+from bench.robot_check.range_words import home_key
 from bench.robot_check.report import Amplification, Mobility, RobotReport
 
 AXES = ("x", "y", "z", "turning about x", "turning about y", "turning about z")
@@ -58,27 +58,19 @@ def check_mobility(geometry: Geometry, mobility: Mobility) -> Check:
         CheckCode.MOBILITY,
         "ok" if mobility.remaining == mobility.motors else "failed",
         {
-            "tree": mobility.tree,
-            "rank": mobility.rank,
-            "spins": mobility.spins,
-            "remaining": mobility.remaining,
-            "motors": mobility.motors,
+            **{name: getattr(mobility, name) for name in ("tree", "rank", "spins", "remaining", "motors")},
             "redundant": [actuator.joint for actuator in geometry.robot.redundant],
         },
     )
 
 
-def coupling_lines(geometry: Geometry) -> list[Check]:
-    """Lines on couplings: the joints of both sides with their factors, and the polynomial between them."""
-    return [
-        Check(CheckCode.COUPLING, "ok", equation_of(geometry, coupling)) for coupling in geometry.couplings
-    ]
-
-
-def spin_notes(geometry: Geometry) -> list[Check]:
-    """A note on the rods that can spin between their ball joints."""
+def couplings_and_spins(geometry: Geometry) -> Iterator[Check]:
+    """The couplings, and a note on the rods that can spin between their ball joints."""
+    for coupling in geometry.couplings:
+        yield Check(CheckCode.COUPLING, "ok", equation_of(geometry, coupling))
     bodies = [geometry.joints[spin.joint].body for spin in idle_spins(geometry)]
-    return [Check(CheckCode.ROD_SPINS, "note", {"bodies": bodies})] if bodies else []
+    if bodies:
+        yield Check(CheckCode.ROD_SPINS, "note", {"bodies": bodies})
 
 
 def weakest_joints(geometry: Geometry, q: np.ndarray) -> tuple[str, ...]:
@@ -104,7 +96,7 @@ def amplification(geometry: Geometry, q: np.ndarray) -> Amplification:
 
 
 def _is_length(geometry: Geometry, v: int) -> bool:
-    joint = next(joint for joint in geometry.joints if joint.v.start <= v < joint.v.stop)
+    joint = geometry.joint_at(v)
     return joint.kind == "slide" or (joint.kind == "free" and v < joint.v.start + 3)
 
 

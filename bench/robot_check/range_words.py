@@ -2,15 +2,20 @@
 
 from collections.abc import Mapping, Sequence
 
+from bench.basics.joint_units import written_position
 from bench.basics.sentence import and_list
 from bench.robot_check.bounds import PLAUSIBLE
-from bench.robot_check.home_key import home_key
 from bench.robot_check.outcome import RangeConflict, RangeLeft
 
 
 def without_rounding(position: float) -> float:
     """A joint's position as printed, rad or m: zero where closing the loops has moved it no further from zero."""
     return 0.0 if abs(position) < PLAUSIBLE.still else position
+
+
+def home_key(qpos: Sequence[float]) -> str:
+    """The keyframe home as an MJCF element, with all joint positions in MuJoCo's order."""
+    return f'<key name="home" qpos="{" ".join(f"{written_position(value):.15g}" for value in qpos)}"/>'
 
 
 def coupling_equation(

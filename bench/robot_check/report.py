@@ -3,27 +3,17 @@
 from dataclasses import dataclass, field
 
 import mujoco
-import numpy as np
 
 from bench.basics.joint_units import joint_units
 from bench.dataset.home_qpos import home_qpos
+from bench.dataset.locked_couplings import held_bodies
 from bench.dataset.robot import Robot
 from bench.model.base import BaseParameters
-from bench.model.geometry import Geometry
 from bench.model.supported import label_of
 from bench.robot_check.bounds import PLAUSIBLE
-from bench.robot_check.loops import gaps, loop_bodies
+from bench.robot_check.loops import active_equalities, gaps
 from bench.robot_check.machine import CheckedMachine, body_label
 from bench.robot_check.outcome import Check, CheckCode
-
-
-@dataclass(frozen=True)
-class HomeSource:
-    """Source of the home pose: `given` of its `positions` from the keyframe home, the others from qpos0."""
-
-    given: int | None
-    """None without a keyframe home."""
-    positions: int
 
 
 @dataclass(frozen=True)
@@ -132,16 +122,17 @@ class RobotReport:
         return tuple(check for check in self.checks if check.verdict == "failed")
 
 
-def home_of(compiled: mujoco.MjModel, robot: Robot) -> tuple[np.ndarray, HomeSource]:
-    """The home pose as qpos (nq,), and where it comes from."""
-    # MuJoCo takes missing positions from qpos0 without a warning
+def home_source(compiled: mujoco.MjModel, robot: Robot) -> dict[str, int | None]:
+    """Source of the home pose: `given` of its `positions` from the keyframe home, None without one, the others from
+    qpos0, which MuJoCo does without a warning.
+    """
     given = next((len(drawn.qpos) for drawn in robot.mjcf_as_drawn().keys if drawn.name == "home"), None)
-    return home_qpos(compiled), HomeSource(given, int(compiled.nq))
+    return {"given": given, "positions": int(compiled.nq)}
 
 
 def joint_lines(compiled: mujoco.MjModel, robot: Robot) -> tuple[JointLine, ...]:
     """Every joint of the MJCF, in its order."""
-    home, _ = home_of(compiled, robot)
+    home = home_qpos(compiled)
     gains = {actuator.joint: f"{actuator.gain:g} {actuator.gain_unit}" for actuator in robot.motors}
     lines = []
     for index in range(compiled.njnt):
@@ -167,12 +158,14 @@ def joint_lines(compiled: mujoco.MjModel, robot: Robot) -> tuple[JointLine, ...]
 
 def loop_lines(machine: CheckedMachine) -> tuple[LoopLine, ...]:
     """Every loop closure with its gap in the home pose."""
-    geometry: Geometry = machine.geometry
-    pairs = loop_bodies(geometry, machine.compiled)
-    return tuple(
-        LoopLine(loop.name, loop.kind, bodies, loop.size, *gap)
-        for loop, bodies, gap in zip(geometry.loops, pairs, gaps(machine, geometry.home), strict=True)
-    )
+    geometry, compiled = machine.geometry, machine.compiled
+    lines = []
+    for loop, equality, gap in zip(
+        geometry.loops, active_equalities(compiled)[0], gaps(machine, geometry.home), strict=True
+    ):
+        first, second = (body_label(compiled, body) for body in held_bodies(compiled, equality))
+        lines.append(LoopLine(loop.name, loop.kind, (first, second), loop.size, *gap))
+    return tuple(lines)
 
 
 def check_home_ranges(joints: tuple[JointLine, ...]) -> Check:

@@ -12,12 +12,11 @@ import numpy as np
 
 from bench.basics.joint_units import units_of_gain, written_position
 from bench.model.follow import Follower, Pose, advance, close, home_pose, make_follower
-from bench.model.geometry import Geometry
+from bench.model.geometry import Geometry, to_mujoco
 from bench.model.mobility import column_scales, scaled_jacobians, smallest_singular_values
 from bench.model.nodes import robot_length
 from bench.model.states import active_ranges
 from bench.robot_check.bounds import SINGULARITY
-from bench.robot_check.machine import to_mujoco
 from bench.robot_check.mobility import amplification, weakest_joints
 from bench.robot_check.report import Singularity
 
@@ -91,12 +90,7 @@ def singularity_of(geometry: Geometry, swept: SingularitySweep) -> Singularity:
 def _targets(geometry: Geometry, start: np.ndarray) -> list[np.ndarray]:
     low, high = _ranges(geometry)
     n = len(start)
-    targets = []
-    for joint, ends in enumerate(zip(low, high, strict=True)):
-        for end in ends:
-            target = start.copy()
-            target[joint] = end
-            targets.append(target)
+    targets = [np.where(np.arange(n) == joint, ends, start) for joint in range(n) for ends in (low, high)]
     if n > 1 and 2**n <= SINGULARITY.corners:
         targets += [np.array(corner) for corner in itertools.product(*zip(low, high, strict=True))]
     if n > 1:
@@ -148,9 +142,8 @@ def _reach(geometry: Geometry, swept: SingularitySweep) -> dict[str, tuple[float
     """Each motor's positions at the ends of the first paths, on which it moves alone, down and up."""
     reach = {}
     for i, name in enumerate(geometry.robot.joints):
-        ends = [swept.q[np.flatnonzero(swept.path == 2 * i + k)[-1]] for k in (1, 2)]
-        low, high = (_positions(geometry, end)[name] for end in ends)
-        reach[name] = (low, high)
+        low, high = (swept.q[np.flatnonzero(swept.path == 2 * i + k)[-1]] for k in (1, 2))
+        reach[name] = _positions(geometry, low)[name], _positions(geometry, high)[name]
     return reach
 
 
@@ -163,7 +156,7 @@ def _distance(geometry: Geometry, q: np.ndarray) -> np.ndarray:
 
 def _positions(geometry: Geometry, q: np.ndarray) -> dict[str, float]:
     """Positions of the actuated joints as they are logged, rad or m."""
-    qpos = to_mujoco(geometry, q)
+    qpos = to_mujoco(geometry.joints, q[None])[0]
     return {
         name: written_position(float(qpos[index]))
         for name, index in zip(geometry.robot.joints, geometry.active_configuration, strict=True)

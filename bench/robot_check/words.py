@@ -15,11 +15,11 @@ from bench.dataset.robot_toml import no_tool
 from bench.model.cures import narrower_ranges
 from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.contact_words import geoms_touch
-from bench.robot_check.home_key import home_key
 from bench.robot_check.outcome import Check, CheckCode
 from bench.robot_check.range_words import (
     at_range_end,
     coupling_equation,
+    home_key,
     outside_range,
     ranges_left,
     without_rounding,
@@ -46,11 +46,9 @@ def detail_of(check: Check) -> str:
     words = WORDS[check.code]
     if not isinstance(words, str):
         return words[1](**check.values)
-    difference = check.values.get("difference")
     sentence = words.partition(": ")[2]
-    return say(
-        sentence, **check.values, agree=f"agree to {difference:.0e}" if difference else "agree exactly"
-    )
+    derived = {name: of(check.values) for name, of in DERIVED.items() if f"{{{name}}}" in sentence}
+    return say(sentence, **check.values, **derived)
 
 
 def nearest_singularity(singularity: Singularity) -> str:
@@ -86,24 +84,6 @@ def _files_left_out(files: Sequence[str], bodies: Sequence[str]) -> str:
             "have no <inertial> and lack these shapes"
         )
     return said
-
-
-def _ranges_in_degrees(joints: Sequence[str]) -> str:
-    return (
-        f"the ranges of {_first(joints)} count as degrees, within a few degrees of zero; if they are meant in radians, "
-        'write <compiler angle="radian"/>'
-    )
-
-
-def _ranges_of_a_turn(joints: Sequence[str]) -> str:
-    return f"the ranges of {_first(joints)} are a whole turn or more and no motor moves these hinges: no end stops"
-
-
-def _keyframes_unused(keyframes: Sequence[str]) -> str:
-    return (
-        f"home is qpos0, as no keyframe is named home: if {_first(list(map(repr, keyframes)))} is the assembled pose, "
-        "rename it home"
-    )
 
 
 def _first(names: Sequence[str]) -> str:
@@ -172,48 +152,21 @@ def _source(given: int | None, positions: int) -> str:
     return "keyframe home"
 
 
-def _no_loops(given: int | None, positions: int) -> str:
-    return f"no loops to close ({_source(given, positions)})"
-
-
 def _closed(gap: float, unit: str, given: int | None, positions: int) -> str:
     source = _source(given, positions)
     return f"widest gap {gap:.1e} {unit} ({source})" if gap else f"no gap ({source})"
 
 
-def _open(loop: str, gap: float, unit: str, given: int | None, positions: int) -> str:
-    return f"loop {loop!r} is open by {gap:.3g} {unit} ({_source(given, positions)})"
-
-
-def _loops_disagree(loop: str, gap: float, unit: str, given: int | None, positions: int) -> str:
-    said = _open(loop, gap, unit, given, positions)
-    return f"{said}; redundant loops disagree, even after a least-squares closure"
-
-
-def _no_closed_pose(
-    loop: str,
-    gap: float,
-    unit: str,
-    given: int | None,
-    positions: int,
-    fixed_gaps: Mapping[str, Sequence[float]],
-) -> str:
-    said = _open(loop, gap, unit, given, positions)
-    if fixed_gaps:
-        by_loop = "; ".join(
-            f"{name} {' '.join(f'{value:g}' for value in apart)} m" for name, apart in fixed_gaps.items()
-        )
-        return (
-            f"{said}; no joint changes these parts of the gaps (x y z in the world, second anchor less first): "
-            f"{by_loop}; move one site or anchor of each loop by that"
-        )
-    return f"{said}; no closing pose exists near it, with the motors held or free: check the lengths"
-
-
-def _open_home(
-    loop: str, gap: float, unit: str, given: int | None, positions: int, closed_qpos: Sequence[float]
-) -> str:
-    return f"{_open(loop, gap, unit, given, positions)}; this pose closes: {home_key(closed_qpos)}"
+def _no_closed_pose(fixed_gaps: Mapping[str, Sequence[float]]) -> str:
+    if not fixed_gaps:
+        return "no closing pose exists near it, with the motors held or free: check the lengths"
+    by_loop = "; ".join(
+        f"{name} {' '.join(f'{value:g}' for value in apart)} m" for name, apart in fixed_gaps.items()
+    )
+    return (
+        f"no joint changes these parts of the gaps (x y z in the world, second anchor less first): {by_loop}; move one "
+        "site or anchor of each loop by that"
+    )
 
 
 def _weld_too_much(welds: Sequence[str], motors: Sequence[str]) -> str:
@@ -236,10 +189,6 @@ def _rotors(identified: Sequence[str], within_bodies: Sequence[str]) -> str:
     return "; ".join(parts)
 
 
-def _singularity(positions: Mapping[str, float], units: Mapping[str, str]) -> str:
-    return f"the joint ranges contain a singularity, at {_positions(positions, units)}: keep trajectories away from it"
-
-
 def _positions(positions: Mapping[str, float], units: Mapping[str, str], sign: str = "") -> str:
     """Positions of motors, with units if there are both hinges and slides."""
     mixed = len({*units.values()}) > 1
@@ -249,6 +198,18 @@ def _positions(positions: Mapping[str, float], units: Mapping[str, str], sign: s
     )
 
 
+DERIVED: Mapping[
+    str, Callable[[Mapping[str, Any]], str]
+] = {  # values that templates name, from those of a check
+    "agree": lambda v: f"agree to {v['difference']:.0e}" if v["difference"] else "agree exactly",
+    "few_joints": lambda v: _first(v["joints"]),
+    "few_keyframes": lambda v: _first(list(map(repr, v["keyframes"]))),
+    "source": lambda v: _source(v["given"], v["positions"]),
+    "closing": lambda v: home_key(v["closed_qpos"]),
+    "why_open": lambda v: _no_closed_pose(v["fixed_gaps"]),
+    "at": lambda v: _positions(v["positions"], v["units"]),
+}
+OPEN = "home assembled: loop {loop!r} is open by {gap:.3g} {unit} ({source}); "
 REGULAR = (
     "smallest singular value {singular_value:.2g}; {passive} moves at {amplification:.3g} {unit} of {motor}"
 )
@@ -258,9 +219,12 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     CheckCode.MJCF_UNSUPPORTED: ("supported MJCF", _unsupported),
     CheckCode.GEOMETRY_UNREADABLE: "geometry: {fault}",
     CheckCode.FILES_LEFT_OUT: ("note", _files_left_out),
-    CheckCode.RANGES_IN_DEGREES: ("note", _ranges_in_degrees),
-    CheckCode.RANGES_OF_A_TURN: ("note", _ranges_of_a_turn),
-    CheckCode.KEYFRAMES_UNUSED: ("note", _keyframes_unused),
+    CheckCode.RANGES_IN_DEGREES: "note: the ranges of {few_joints} count as degrees, within a few degrees of zero; if "
+    'they are meant in radians, write <compiler angle="radian"/>',
+    CheckCode.RANGES_OF_A_TURN: "note: the ranges of {few_joints} are a whole turn or more and no motor moves these "
+    "hinges: no end stops",
+    CheckCode.KEYFRAMES_UNUSED: "note: home is qpos0, as no keyframe is named home: if {few_keyframes} is the "
+    "assembled pose, rename it home",
     CheckCode.EQUALITY_INACTIVE: "note: equality {equality!r} is inactive and ignored",
     CheckCode.JOINT_FORCE_NOT_MODELLED: ("note", _joint_force),
     CheckCode.MEDIUM_NOT_MODELLED: "note: the simulator applies air drag (density, viscosity), the model does not "
@@ -306,7 +270,7 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     CheckCode.LOOP_OPENING_IN_MOTION: "closed motion: velocities open the loops by {velocity:.0e} of their size, "
     "accelerations by {acceleration:.0e}",
     CheckCode.COUPLING: ("coupling", coupling_equation),
-    CheckCode.HOME_WITHOUT_LOOPS: ("home assembled", _no_loops),
+    CheckCode.HOME_WITHOUT_LOOPS: "home assembled: no loops to close ({source})",
     CheckCode.HOME_CLOSED: ("home assembled", _closed),
     CheckCode.DRAWING_ROUNDED: "note: as drawn, home is open by {gap:.1e} {unit}, a rounding error that is "
     "corrected when the robot is read; the loops of the model and of the simulated machine close",
@@ -314,9 +278,10 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     CheckCode.NEARLY_PARALLEL: "axes: hinges {first!r} and {second!r} are {angle:.1e} rad from parallel, as an angle "
     "such as 1.57 or 3.14 makes them: if they are parallel in the robot, write the angle with all digits "
     "(1.5707963267948966)",
-    CheckCode.HOME_OPEN: ("home assembled", _open_home),
-    CheckCode.HOME_OPEN_AND_NO_CLOSED_POSE: ("home assembled", _no_closed_pose),
-    CheckCode.HOME_OPEN_AS_LOOPS_DISAGREE: ("home assembled", _loops_disagree),
+    CheckCode.HOME_OPEN: OPEN + "this pose closes: {closing}",
+    CheckCode.HOME_OPEN_AND_NO_CLOSED_POSE: OPEN + "{why_open}",
+    CheckCode.HOME_OPEN_AS_LOOPS_DISAGREE: OPEN + "redundant loops disagree, even after a least-squares "
+    "closure",
     CheckCode.HOME_WITHIN_RANGES: "home within ranges: {ranged} of {joints} joints have a range",
     CheckCode.HOME_OUTSIDE_RANGE: ("home within ranges", outside_range),
     CheckCode.HOME_AT_RANGE_END: ("note", at_range_end),
@@ -332,6 +297,7 @@ WORDS: Mapping[CheckCode, str | tuple[str, Callable[..., str]]] = {
     "determine the passive joints; give the joints narrower ranges around home, away from singular poses",
     CheckCode.ROTOR_INERTIA: ("rotor inertia", _rotors),
     CheckCode.GEOMS_TOUCH: ("note", geoms_touch),
-    CheckCode.SINGULARITY_WITHIN_RANGES: ("note", _singularity),
+    CheckCode.SINGULARITY_WITHIN_RANGES: "note: the joint ranges contain a singularity, at {at}: keep "
+    "trajectories away from it",
     CheckCode.PASSIVE_RANGE_LEFT: ("note", ranges_left),
 }

@@ -6,7 +6,7 @@ Swevers et al., "Optimal robot excitation and identification", IEEE Trans. Robot
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -78,6 +78,10 @@ class FourierTrajectory:
     def harmonics(self) -> int:
         """H, the number of harmonics of each joint."""
         return int(self.a.shape[1])
+
+    def scaled(self, factor: float | NDArray[Any]) -> FourierTrajectory:
+        """The motion about `center` times a factor, one of each joint (n, 1) or of each coefficient (n, H)."""
+        return replace(self, a=self.a * factor, b=self.b * factor)
 
     def evaluate(self, t: ArrayLike) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration, each (N, n), at the times t (N,) in s; all analytic."""
@@ -169,8 +173,7 @@ def random_trajectory(
         [limit / np.abs(x).max(axis=0) for limit, x in zip(limits, (q - center, qd, qdd), strict=True)],
         axis=0,
     )
-    scale = 0.999 * scale[:, None]  # the grid misses a peak by less than 0.1 %
-    return FourierTrajectory(center, a * scale, b * scale, base_frequency, duration, ramp)
+    return trajectory.scaled(0.999 * scale[:, None])  # the grid misses a peak by less than 0.1 %
 
 
 def _dense_times(trajectory: FourierTrajectory) -> Array:

@@ -1,7 +1,6 @@
 """Effects at the joints of a simulation, step by step: the load that the MJCF cannot represent."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,20 +25,16 @@ class Instant:
     current: float
 
 
-class JointLaw(ABC):
-    """The load of one effect at one driven joint, N*m or N."""
+class _NeedsTorqueError(BenchError):
+    """An effect requested the torque of the whole model."""
 
-    @abstractmethod
-    def opposing(self, now: Instant) -> tuple[float, float]:
-        """Torque that the motor has to overcome, and the dry friction, which can hold the joint at rest."""
 
-    def reset(self) -> None:
-        """Clear the state."""
-        return
+def _asked() -> np.ndarray:
+    raise _NeedsTorqueError("an effect asked for the torque that the model needs")
 
 
 @dataclass(frozen=True)
-class Memoryless(JointLaw):
+class Memoryless:
     """An effect that depends on the instant alone. Half of its jump at zero velocity is dry friction."""
 
     effect: ActuatorEffect
@@ -48,42 +43,28 @@ class Memoryless(JointLaw):
     rotates: bool
 
     def opposing(self, now: Instant) -> tuple[float, float]:
-        """See `JointLaw`."""
-        velocity = np.array([now.velocity, TINY, -TINY])
-        torque = self.at(
-            np.full(3, now.time), np.full(3, now.position), velocity, np.zeros(3), np.full(3, now.current)
-        )
+        """Torque that the motor has to overcome, N*m or N, and the dry friction, which can hold the joint at rest."""
+        samples = np.tile([[now.time], [now.position], [now.velocity], [0.0], [now.current]], 3)
+        samples[2, 1:] = TINY, -TINY
+        torque = self.at(*samples)
         dry = max(0.5 * float(torque[1] - torque[2]), 0.0)
         direction = float(np.sign(now.velocity))
         return float(torque[0]) - dry * direction, dry
 
-    def at(
-        self,
-        time: np.ndarray,
-        position: np.ndarray,
-        velocity: np.ndarray,
-        acceleration: np.ndarray,
-        current: np.ndarray,
-    ) -> np.ndarray:
-        """The torque (N,) of the law at N samples."""
+    def at(self, *samples: np.ndarray, needs: Callable[[], np.ndarray] = _asked) -> np.ndarray:
+        """The torque (N,) of the law at samples: time, position, velocity, acceleration and current, (N,) each; needs:
+        computes the torque that the model needs, if it is known.
+        """
+        time, position, velocity, acceleration, current = samples
+        speed = rate = band = 1.0
         signals = JointSignals(
-            time=time,
-            position=position,
-            velocity=velocity,
-            acceleration=acceleration,
-            current=current,
-            gain=self.gain,
-            speed=1.0,
-            rate=1.0,
-            band=1.0,
-            rotates=self.rotates,
-            needs=_asked,
+            time, position, velocity, acceleration, current, self.gain, speed, rate, band, self.rotates, needs
         )
         return np.asarray(self.effect.torque(signals), dtype=float) @ self.values
 
 
 @dataclass
-class Dahl(JointLaw):
+class Dahl:
     """`PreslidingHysteresis`, step by step: z approaches the sign of the motion exponentially with the travel."""
 
     friction: float
@@ -92,7 +73,7 @@ class Dahl(JointLaw):
     _before: float | None = None
 
     def opposing(self, now: Instant) -> tuple[float, float]:
-        """See `JointLaw`."""
+        """As of `Memoryless`."""
         if self._before is not None and now.position != self._before:
             way = now.position - self._before
             direction = float(np.sign(way))
@@ -100,9 +81,9 @@ class Dahl(JointLaw):
         self._before = now.position
         return self.friction * self._state, 0.0
 
-    def reset(self) -> None:
-        """See `JointLaw`."""
-        self._state, self._before = 0.0, None
+
+JointLaw = Memoryless | Dahl
+"""The load of one effect at one driven joint."""
 
 
 def joint_law_of(effect: Effect, values: Mapping[str, float], gain: float, rotates: bool) -> JointLaw | None:
@@ -119,29 +100,16 @@ def joint_law_of(effect: Effect, values: Mapping[str, float], gain: float, rotat
     return law if _follows_from_the_instant(law) else None
 
 
-class _NeedsTorqueError(BenchError):
-    """An effect requested the torque of the whole model."""
-
-
-def _asked() -> np.ndarray:
-    raise _NeedsTorqueError("an effect asked for the torque that the model needs")
-
-
 def _follows_from_the_instant(law: Memoryless) -> bool:
     """Whether single samples, and samples in another order with another acceleration, give the same torque."""
     random = np.random.default_rng(20121)
-    time = np.sort(random.uniform(0.0, 5.0, SAMPLES))
-    position, velocity, acceleration, current = random.normal(size=(4, SAMPLES))
+    samples = np.vstack((np.sort(random.uniform(0.0, 5.0, SAMPLES)), random.normal(size=(4, SAMPLES))))
     order = random.permutation(SAMPLES)
+    backwards, unmoved = (samples * np.array([1.0, 1.0, 1.0, sign, 1.0])[:, None] for sign in (-1.0, 0.0))
     try:
-        whole = law.at(time, position, velocity, acceleration, current)
-        other = law.at(time[order], position[order], velocity[order], -acceleration[order], current[order])
-        alone = [
-            law.at(
-                time[k : k + 1], position[k : k + 1], velocity[k : k + 1], np.zeros(1), current[k : k + 1]
-            )[0]
-            for k in range(SAMPLES)
-        ]
+        whole = law.at(*samples)
+        other = law.at(*backwards[:, order])
+        alone = [law.at(*unmoved[:, k : k + 1])[0] for k in range(SAMPLES)]
     except (*MISTAKES, _NeedsTorqueError):
         return False
     scale = ALIKE * (1.0 + np.abs(whole).max())

@@ -1,6 +1,7 @@
 """The exported robot in MuJoCo with the effects that its MJCF cannot represent."""
 
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,9 +9,10 @@ import mujoco
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.dataset.home_qpos import home_qpos
 from bench.effects.laws.platform_force import PlatformForce
-from bench.twin.drive import ORDER, DriveLaw, drive_law_of
-from bench.twin.file import STEPS_TO_STICK, STIFF, SidecarMotor, TwinFile, load_twin_file
+from bench.twin.drive import DriveLaw, drive_law_of
+from bench.twin.file import STEPS_TO_STICK, STIFF, TwinFile, load_twin_file
 from bench.twin.laws import Instant, JointLaw, joint_law_of
 
 
@@ -18,7 +20,6 @@ from bench.twin.laws import Instant, JointLaw, joint_law_of
 class TwinMotor:
     """A motor with its indices in MuJoCo's arrays and its effects. dry: the dry friction in the MJCF, N*m or N."""
 
-    motor: SidecarMotor
     actuator: int
     qpos: int
     dof: int
@@ -49,7 +50,7 @@ class Twin:
         self.data = mujoco.MjData(model)
         self.joints = tuple(motor.joint for motor in file.motors)
         self._tool: ToolForce | None = None
-        self._motors, self.left_out = self._placed(file)
+        self._initial, self.left_out = self._placed(file)
         self._applied = np.zeros(model.nv)
         self.reset()
 
@@ -80,11 +81,7 @@ class Twin:
         else:
             mujoco.mj_resetData(self.model, self.data)
         self._applied[:] = 0.0
-        for motor in self._motors:
-            for joint_law in motor.joint_laws:
-                joint_law.reset()
-            for drive_law in motor.drive_laws:
-                drive_law.reset()
+        self._motors = deepcopy(self._initial)
 
     def apply(self, currents: Sequence[float] | np.ndarray) -> None:
         """Set controls and applied forces for these current references (n,). Raises BenchError for another shape."""
@@ -96,7 +93,7 @@ class Twin:
         for motor, current in zip(self._motors, given.tolist(), strict=True):
             now = self._instant(motor, current)
             for law in motor.drive_laws:
-                current = law.passed(current, now)  # noqa: PLW2901 - one law after the other
+                current = law(current, now)  # noqa: PLW2901 - one law after the other
             self.data.ctrl[motor.actuator] = current
         self.apply_forces(given)
 
@@ -135,7 +132,7 @@ class Twin:
         """The motors with their effects, and the names of the omitted effects."""
         left_out = []
         joint_laws: dict[str, list[JointLaw]] = {joint: [] for joint in self.joints}
-        drive_laws: dict[str, list[DriveLaw]] = {joint: [] for joint in self.joints}
+        drive_laws: dict[str, list[tuple[int, DriveLaw]]] = {joint: [] for joint in self.joints}
         gains = {motor.joint: motor.gain for motor in file.motors}
         for instance, values in file.effects:
             at = instance.joint
@@ -160,30 +157,23 @@ class Twin:
                 self.model.dof_solimp[dof] = STIFF
             motors.append(
                 TwinMotor(
-                    motor,
                     self.model.actuator(motor.actuator).id,
                     int(joint.qposadr[0]),
                     dof,
                     float(self.model.dof_frictionloss[dof]),
                     tuple(joint_laws[motor.joint]),
-                    tuple(sorted(drive_laws[motor.joint], key=lambda law: ORDER.index(type(law)))),
+                    tuple(law for _, law in sorted(drive_laws[motor.joint], key=lambda ranked: ranked[0])),
                 )
             )
         return tuple(motors), tuple(left_out)
 
     def _force_at(self, tool: str, values: Mapping[str, float]) -> ToolForce:
         home = mujoco.MjData(self.model)
-        key = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_KEY, "home")
-        if key >= 0:
-            mujoco.mj_resetDataKeyframe(self.model, home, key)
+        home.qpos[:] = home_qpos(self.model)
         mujoco.mj_kinematics(self.model, home)
         site = self.model.site(tool).id
-        return ToolForce(
-            site,
-            home.site_xpos[site].copy(),
-            np.array([values[f"F{axis}"] for axis in "xyz"]),
-            np.array([values[f"k{axis}"] for axis in "xyz"]),
-        )
+        force, stiffness = (np.array([values[f"{name}{axis}"] for axis in "xyz"]) for name in "Fk")
+        return ToolForce(site, home.site_xpos[site].copy(), force, stiffness)
 
 
 def load_twin(mjcf: str | Path, *, partial: bool = False) -> Twin:

@@ -7,7 +7,7 @@ import numpy as np
 import rerun.blueprint as rrb
 from rerun.components import Plane3D
 
-from bench.viewer.content import Motor
+from bench.viewer.content import Motor, ShownContent
 
 SUMMARY, PARAMETERS = "/summary", "/parameters"
 FOLLOWING, OPENING = "tool: actual path to reference path [mm]", "largest opening of a loop [µm]"
@@ -23,26 +23,23 @@ FIT = 0.9  # distance of the eye, in diagonals of the box around the robot's mot
 class Scene:
     """How one recording of the dataset is shown.
 
-    title: of its tab; root: the entity above all of its data; errors: of the motors, as text; path: key to the colours
-    and outlines; eye, target (3,) m: camera; low: height of the ground, m. summary, parameters: entities of the texts.
-    steps, torques, tool, loops, followed: whether there are errors of earlier models, torques of effects, a tool,
-    loops, and a reference path.
+    title: of its tab; errors: of the motors, as text; path: key to the colours and outlines; eye, target (3,) m:
+    camera; low: height of the ground, m; texts: the entity above those of the summary and the parameters.
     """
 
     title: str
-    root: str
+    content: ShownContent
     errors: tuple[str, ...]
     path: str
     eye: np.ndarray
     target: np.ndarray
     low: float
-    summary: str = SUMMARY
-    parameters: str = PARAMETERS
-    steps: bool = False
-    torques: bool = False
-    tool: bool = False
-    loops: bool = False
-    followed: bool = False
+    texts: str = ""
+
+    @property
+    def root(self) -> str:
+        """The entity above all data of the recording."""
+        return self.content.root
 
 
 def blueprint(scenes: Sequence[Scene], motors: Sequence[Motor]) -> rrb.Blueprint:
@@ -104,32 +101,50 @@ def _tab(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
 
 def _pages(scene: Scene, motors: Sequence[Motor]) -> list[rrb.Container]:
     """The tabs next to the robot; the first one is open."""
-    pages = [_steps(scene, motors)] if scene.steps else []
-    pages.append(_currents(scene, motors))
-    if scene.torques:
-        pages.append(_torques(scene, motors))
+    pages = []
+    step, torque = "error after each added effect", "torque of effects"
+    if scene.content.steps:
+        views = [
+            [_of_motor(scene, motor, "steps", f"{step} [{motor.current_unit}]", legend=not k)]
+            for k, motor in enumerate(motors)
+        ]
+        pages.append(_in_columns(views, [1.0], step))
+    views = [
+        [
+            _of_motor(scene, motor, "current", f"current [{motor.current_unit}]", legend=not k),
+            _error(scene, motor, error),
+        ]
+        for k, (motor, error) in enumerate(zip(motors, scene.errors, strict=True))
+    ]
+    pages.append(_in_columns(views, [3.0, 2.0], "currents and errors"))
+    if scene.content.has_torques:
+        views = [
+            [_of_motor(scene, motor, "torque", f"{torque} [{motor.effort_unit}]", legend=True)]
+            for motor in motors
+        ]
+        pages.append(_in_columns(views, [1.0], torque))
     return [*pages, _tool(scene, motors)]
 
 
 def _tabs(scene: Scene, motors: Sequence[Motor], reach: np.ndarray, *, first: bool) -> rrb.Container:
     errors = [
-        _of_motor(
-            scene,
-            motor,
-            "error",
-            f"error [{motor.current_unit}], {error} of the current",
-            legend=first and not k,
-            reach=float(reach[k]),
-        )
+        _error(scene, motor, error, legend=first and not k, reach=float(reach[k]))
         for k, (motor, error) in enumerate(zip(motors, scene.errors, strict=True))
     ]
     return rrb.Vertical(
         _robot(replace(scene, path="")),
         *errors,
-        rrb.TextDocumentView(origin=scene.summary, name="summary"),
+        rrb.TextDocumentView(origin=f"{scene.texts}{SUMMARY}", name="summary"),
         row_shares=[4.0, *[5.0 / len(errors)] * len(errors), 3.0],
         name=scene.title,
     )
+
+
+def _error(
+    scene: Scene, motor: Motor, error: str, *, legend: bool = False, reach: float | None = None
+) -> rrb.View:
+    name = f"error [{motor.current_unit}], {error} of the current"
+    return _of_motor(scene, motor, "error", name, legend=legend, reach=reach)
 
 
 def _robot(scene: Scene) -> rrb.View:
@@ -148,43 +163,10 @@ def _robot(scene: Scene) -> rrb.View:
 
 def _texts(scene: Scene) -> rrb.Container:
     return rrb.Tabs(
-        rrb.TextDocumentView(origin=scene.summary, name="summary"),
-        rrb.TextDocumentView(origin=scene.parameters, name="parameters"),
+        rrb.TextDocumentView(origin=f"{scene.texts}{SUMMARY}", name="summary"),
+        rrb.TextDocumentView(origin=f"{scene.texts}{PARAMETERS}", name="parameters"),
         active_tab=0,
     )
-
-
-def _currents(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
-    views = []
-    for place, (motor, error) in enumerate(zip(motors, scene.errors, strict=True)):
-        name, wrong = (
-            f"current [{motor.current_unit}]",
-            f"error [{motor.current_unit}], {error} of the current",
-        )
-        views.append(
-            [
-                _of_motor(scene, motor, "current", name, legend=not place),
-                _of_motor(scene, motor, "error", wrong, legend=False),
-            ]
-        )
-    return _in_columns(views, [3.0, 2.0], "currents and errors")
-
-
-def _steps(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
-    title = "error after each added effect"
-    views = [
-        [_of_motor(scene, motor, "steps", f"{title} [{motor.current_unit}]", legend=not place)]
-        for place, motor in enumerate(motors)
-    ]
-    return _in_columns(views, [1.0], title)
-
-
-def _torques(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
-    title = "torque of effects"
-    views = [
-        [_of_motor(scene, motor, "torque", f"{title} [{motor.effort_unit}]", legend=True)] for motor in motors
-    ]
-    return _in_columns(views, [1.0], title)
 
 
 def _of_motor(
@@ -196,9 +178,9 @@ def _of_motor(
 
 def _tool(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
     views: list[rrb.View] = []
-    if scene.tool:
+    if scene.content.motion.tool_position is not None:
         views.append(_plot(f"{scene.root}/tool", "tool: actual path and reference [m]", legend=True))
-    if scene.followed and scene.tool:
+    if scene.content.reference_path is not None:
         views.append(_plot(f"{scene.root}/following", FOLLOWING, legend=False))
     units = ", ".join(sorted({motor.position_unit for motor in motors}))
     views.append(
@@ -209,7 +191,7 @@ def _tool(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
             plot_legend=_legend(),
         )
     )
-    if scene.loops:
+    if scene.content.motion.loop_gap.size:
         views.append(_plot(f"{scene.root}/loop_gap", OPENING, legend=True))
     shares = [2.0 if view.name in SMALLER else 3.0 for view in views]
     return rrb.Vertical(*views, row_shares=shares, name="tool, positions, loops")
@@ -217,17 +199,16 @@ def _tool(scene: Scene, motors: Sequence[Motor]) -> rrb.Container:
 
 def _in_columns(views: Sequence[Sequence[rrb.View]], shares: Sequence[float], name: str) -> rrb.Container:
     """The views of each motor one below another, at most `MOTORS_IN_COLUMN` motors in a column."""
-    size = MOTORS_IN_COLUMN
-    groups = [views[i : i + size] for i in range(0, len(views), size)]
+    groups = [views[i : i + MOTORS_IN_COLUMN] for i in range(0, len(views), MOTORS_IN_COLUMN)]
     columns = [
-        rrb.Vertical(*(view for column in group for view in column), row_shares=[*shares] * len(group))
+        rrb.Vertical(
+            *(view for column in group for view in column),
+            row_shares=[*shares] * len(group),
+            name=name if len(groups) == 1 else None,
+        )
         for group in groups
     ]
-    if len(columns) == 1:
-        return rrb.Vertical(
-            *(view for column in views for view in column), row_shares=[*shares] * len(views), name=name
-        )
-    return rrb.Horizontal(*columns, name=name)
+    return columns[0] if len(columns) == 1 else rrb.Horizontal(*columns, name=name)
 
 
 def _plot(origin: str, name: str, *, legend: bool, reach: float | None = None) -> rrb.View:

@@ -10,9 +10,10 @@ import rerun as rr
 from bench.basics.errors import BenchError
 from bench.dataset.recording import Recording
 from bench.dataset.robot import Robot
-from bench.model.geometry import Geometry, read_geometry, to_mujoco
+from bench.model.geometry import Geometry, read_geometry, rotation_matrix, to_mujoco
 from bench.model.motion import motion_of
 from bench.model.nodes import of_recording
+from bench.robot_check.loops import active_equalities, equality_ends
 from bench.signals.processing import estimate_motion, trim
 from bench.signals.settings import FilterSettings
 
@@ -83,35 +84,19 @@ def _solids(model: mujoco.MjModel, kind: str, geoms: np.ndarray, outline: Colour
     quaternions = np.roll(model.geom_quat[geoms], -1, axis=1)
     colors = [outline or _colour(model, geom) for geom in geoms]
     fill = rr.components.FillMode.Solid if outline is None else rr.components.FillMode.MajorWireframe
+    common = {"quaternions": quaternions, "colors": colors, "fill_mode": fill}
     if kind == "boxes":
-        return rr.Boxes3D(
-            half_sizes=size, centers=centers, quaternions=quaternions, colors=colors, fill_mode=fill
-        )
+        return rr.Boxes3D(half_sizes=size, centers=centers, **common)
     if kind == "ellipsoids":
         spheres = model.geom_type[geoms] == int(mujoco.mjtGeom.mjGEOM_SPHERE)
         size = np.where(spheres[:, None], size[:, :1], size)
-        return rr.Ellipsoids3D(
-            half_sizes=size, centers=centers, quaternions=quaternions, colors=colors, fill_mode=fill
-        )
+        return rr.Ellipsoids3D(half_sizes=size, centers=centers, **common)
+    common |= {"lengths": 2.0 * size[:, 1], "radii": size[:, 0]}
     if kind == "cylinders":
-        return rr.Cylinders3D(
-            lengths=2.0 * size[:, 1],
-            radii=size[:, 0],
-            centers=centers,
-            quaternions=quaternions,
-            colors=colors,
-            fill_mode=fill,
-        )
+        return rr.Cylinders3D(centers=centers, **common)
     # Rerun places a capsule by its first end, MuJoCo by its centre.
-    axes = np.array([_rotation(quaternion)[:, 2] for quaternion in model.geom_quat[geoms]])
-    return rr.Capsules3D(
-        lengths=2.0 * size[:, 1],
-        radii=size[:, 0],
-        translations=centers - axes * size[:, 1:2],
-        quaternions=quaternions,
-        colors=colors,
-        fill_mode=fill,
-    )
+    axes = np.array([rotation_matrix(quaternion)[:, 2] for quaternion in model.geom_quat[geoms]])
+    return rr.Capsules3D(translations=centers - axes * size[:, 1:2], **common)
 
 
 def _mesh(model: mujoco.MjModel, geom: int, outline: Colour | None) -> tuple[rr.AsComponents, ...]:
@@ -149,12 +134,6 @@ def _colour(model: mujoco.MjModel, geom: int) -> Colour:
     return red, green, blue, round(255 * float(rgba[3]))
 
 
-def _rotation(quaternion: np.ndarray) -> np.ndarray:
-    matrix = np.empty(9)
-    mujoco.mju_quat2Mat(matrix, quaternion)
-    return matrix.reshape(3, 3)
-
-
 @dataclass(frozen=True)
 class BodyMotion:
     """Poses of all bodies in the world.
@@ -184,18 +163,12 @@ def body_motion(
     motion = estimate_motion(recording.position, recording.rate, settings)
     time = trim(recording.time, settings)
     step = max(1, round(recording.rate / FRAME_RATE))
-    frames = slice(0, None, step)
+    states = [x[::step] for x in (time, motion.position, motion.velocity, motion.acceleration)]
     try:
-        tree = motion_of(
-            geometry,
-            time[frames],
-            motion.position[frames],
-            motion.velocity[frames],
-            motion.acceleration[frames],
-        )
+        tree = motion_of(geometry, *states)
     except BenchError as error:
         raise of_recording(recording.name, error) from None
-    return placed(model, geometry.robot.tool_site, time[frames], to_mujoco(geometry.joints, tree.q))
+    return placed(model, geometry.robot.tool_site, time[::step], to_mujoco(geometry.joints, tree.q))
 
 
 def recorded_motion(robot: Robot, recording: Recording, settings: FilterSettings) -> BodyMotion:
@@ -225,9 +198,8 @@ def placed(model: mujoco.MjModel, tool_site: str | None, time: np.ndarray, qpos:
     center, half = model.geom_aabb[geoms, :3, None], model.geom_aabb[geoms, 3:, None]
     count = len(time)
     positions, quaternions = np.empty((count, model.nbody, 3)), np.empty((count, model.nbody, 4))
-    tool_position, tool_rotation = np.empty((count, 3)), np.empty((count, 9))
-    kinds = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
-    loops = [loop for loop in range(model.neq) if model.eq_active0[loop] and model.eq_type[loop] in kinds]
+    tool_position, tool_quaternion = np.empty((count, 3)), np.empty((count, 4))
+    loops, _ = active_equalities(model)
     gap = np.zeros((count, len(loops)))
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for frame in range(count):
@@ -235,8 +207,11 @@ def placed(model: mujoco.MjModel, tool_site: str | None, time: np.ndarray, qpos:
         mujoco.mj_kinematics(model, data)
         positions[frame], quaternions[frame] = data.xpos, data.xquat
         if site >= 0:
-            tool_position[frame], tool_rotation[frame] = data.site_xpos[site], data.site_xmat[site]
-        gap[frame] = [_gap(model, data, loop) for loop in loops]
+            tool_position[frame] = data.site_xpos[site]
+            mujoco.mju_mat2Quat(tool_quaternion[frame], data.site_xmat[site])
+        for k, loop in enumerate(loops):
+            (first, _), (second, _) = equality_ends(model, data, loop)
+            gap[frame, k] = np.linalg.norm(first - second)
         if len(geoms):
             turn = data.geom_xmat[geoms].reshape(-1, 3, 3)
             middle = data.geom_xpos[geoms] + (turn @ center)[..., 0]
@@ -250,31 +225,8 @@ def placed(model: mujoco.MjModel, tool_site: str | None, time: np.ndarray, qpos:
         positions=positions,
         quaternions=np.roll(quaternions, -1, axis=2),
         tool_position=tool_position if site >= 0 else None,
-        tool_quaternion=_quaternions(tool_rotation) if site >= 0 else None,
+        tool_quaternion=np.roll(tool_quaternion, -1, axis=1) if site >= 0 else None,
         loop_gap=gap,
         low=low,
         high=high,
     )
-
-
-def _gap(model: mujoco.MjModel, data: mujoco.MjData, loop: int) -> float:
-    """Distance, m, between the two points that an equality (connect or weld) joins."""
-    first, second = int(model.eq_obj1id[loop]), int(model.eq_obj2id[loop])
-    if model.eq_objtype[loop] == int(mujoco.mjtObj.mjOBJ_SITE):
-        return float(np.linalg.norm(data.site_xpos[first] - data.site_xpos[second]))
-    first_anchor, second_anchor = model.eq_data[loop, 0:3], model.eq_data[loop, 3:6]
-    if model.eq_type[loop] == int(mujoco.mjtEq.mjEQ_WELD):  # its first anchor is on the second body
-        first_anchor, second_anchor = second_anchor, first_anchor
-    ends = [
-        data.xpos[body] + data.xmat[body].reshape(3, 3) @ anchor
-        for body, anchor in ((first, first_anchor), (second, second_anchor))
-    ]
-    return float(np.linalg.norm(ends[0] - ends[1]))
-
-
-def _quaternions(rotations: np.ndarray) -> np.ndarray:
-    """Quaternions (F, 4), x y z w, of rotation matrices (F, 9)."""
-    quaternions = np.empty((len(rotations), 4))
-    for quaternion, rotation in zip(quaternions, rotations, strict=True):
-        mujoco.mju_mat2Quat(quaternion, rotation)
-    return np.roll(quaternions, -1, axis=1)

@@ -69,6 +69,16 @@ class ShownContent:
         """Logged times as whole nanoseconds since the first sample."""
         return rr.TimeColumn(TIMELINE, duration=nanoseconds(time - self.start))
 
+    def send(
+        self, stream: rr.RecordingStream, entity: str, time: np.ndarray, values: np.ndarray, curve: "Curve"
+    ) -> None:
+        """Send one curve of values (N,) at logged times (N,) to an entity below `root`."""
+        path = f"{self.root}/{entity}"
+        style = rr.SeriesLines(names=curve.name, colors=rgb(curve.colour), widths=curve.width)
+        stream.log(path, style, static=True)
+        columns = rr.Scalars.columns(scalars=values)
+        stream.send_columns(path, indexes=[self.column(time)], columns=columns)
+
 
 @contextmanager
 def rrd_stream(
@@ -96,12 +106,3 @@ class Curve:
 def nanoseconds(seconds: np.ndarray) -> np.ndarray:
     """Times in whole nanoseconds, the type of the viewer's timeline."""
     return np.rint(seconds * 1e9).astype("timedelta64[ns]")
-
-
-def send_line(
-    stream: rr.RecordingStream, entity: str, column: rr.TimeColumn, values: np.ndarray, line: Curve
-) -> None:
-    """Send one curve of values (N,) at the times of `column`."""
-    style = rr.SeriesLines(names=line.name, colors=rgb(line.colour), widths=line.width)
-    stream.log(entity, style, static=True)
-    stream.send_columns(entity, indexes=[column], columns=rr.Scalars.columns(scalars=values))

@@ -2,12 +2,16 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bench.document.numbers import Truth
 from bench.identification.effect_torques import EffectTorques
 from bench.identification.result import CurrentSeries
+
+if TYPE_CHECKING:
+    from bench.export.replay.replay import TwinMotion
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,14 +48,6 @@ class LadderModel:
 
 
 @dataclass(frozen=True, eq=False)
-class SimulatedPoses:
-    """Motion of a simulated robot in a recording: time (F,) s, as logged; poses (F, nq) in MuJoCo's coordinates."""
-
-    time: np.ndarray
-    poses: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
 class ViewContext:
     """Everything that is shown with an identification.
 
@@ -66,4 +62,4 @@ class ViewContext:
     truth: Truth | None = None
     text: str = ""
     label: str = "the model shown"
-    simulated: Mapping[str, SimulatedPoses] = field(default_factory=dict)
+    simulated: Mapping[str, "TwinMotion"] = field(default_factory=dict)

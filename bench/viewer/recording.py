@@ -24,7 +24,7 @@ from bench.viewer.body_motion import BodyMotion, body_motion, placed, tool_path
 from bench.viewer.content import Motor, ShownContent, rrd_stream
 from bench.viewer.context import KnownTruth, ViewContext
 from bench.viewer.scene import TOP, error_share, send_payload, send_robot
-from bench.viewer.tracks import send_currents, send_phases, send_steps, send_tool, send_torques, steps_of
+from bench.viewer.tracks import send_currents, send_phases, send_steps, send_tool, send_torques
 
 REFERENCE_COLUMN = "reference."  # prefix of a log's columns with the controller's references
 
@@ -76,7 +76,7 @@ def write_rrd(
     largest = _largest_error([run])
     views = blueprint(_scenes(run, largest), run.motors)
     with rrd_stream(path, _application([run]), f"{result.robot}, {result.method}", views) as stream:
-        _send_text(stream, run, truth, SUMMARY, PARAMETERS)
+        _send_text(stream, run, truth)
         _send(stream, run, largest)
 
 
@@ -107,8 +107,7 @@ def write_side_by_side(path: str | Path, viewed: Sequence[ViewedRun]) -> None:
     views = side_by_side(list(by_name.items()), runs[0].motors, reach)
     with rrd_stream(path, _application(runs), f"{len(runs)} identifications", views) as stream:
         for run in runs:
-            summary, parameters = _texts_of(run)
-            _send_text(stream, run, run.viewed.context.truth, summary, parameters)
+            _send_text(stream, run, run.viewed.context.truth)
             _send(stream, run, largest)
 
 
@@ -152,7 +151,6 @@ def _shown(viewed: ViewedRun, prefix: str, model: mujoco.MjModel, geometry: Geom
     by_name = {recording.name: recording for recording in dataset.recordings}
     roots = entity_roots([series.name for series in result.recordings])
     deviation = error_std(result)
-    steps = [(step.label, step.recordings) for step in context.steps]
     shown = []
     for series in result.recordings:
         recording = by_name.get(series.name)
@@ -169,7 +167,12 @@ def _shown(viewed: ViewedRun, prefix: str, model: mujoco.MjModel, geometry: Geom
                 motion=motion,
                 deviation=deviation,
                 payload=dataset.payloads[recording.payload] if recording.payload else None,
-                steps=steps_of(series.name, steps),
+                steps=tuple(
+                    (step.label, trace)
+                    for step in context.steps
+                    for trace in step.recordings
+                    if trace.name == series.name
+                ),
                 label=context.label,
                 torques=context.torques.get(series.name),
                 known=known,
@@ -226,20 +229,15 @@ def _largest_error(runs: Sequence[_Run]) -> float:
     return float(np.percentile(known, TOP)) if len(known) and known.any() else 1.0
 
 
-def _texts_of(run: _Run) -> tuple[str, str]:
-    return f"{run.prefix}{SUMMARY}", f"{run.prefix}{PARAMETERS}"
-
-
 def _scenes(run: _Run, largest: float, title: str | None = None) -> list[Scene]:
     """The scenes of all recordings, with the same camera."""
     low = np.min([content.motion.low for content in run.shown], axis=0)
     high = np.max([content.motion.high for content in run.shown], axis=0)
     eye, target = eye_of(low, high, run.model.vis.global_.azimuth, run.model.vis.global_.elevation)
-    summary, parameters = _texts_of(run)
     return [
         Scene(
             title=title or f"{PurePath(content.series.name).stem} ({USES[content.series.use]})",
-            root=content.root,
+            content=content,
             errors=tuple(
                 percent(relative_error([content.series], j)) for j in range(content.series.measured.shape[1])
             ),
@@ -247,13 +245,7 @@ def _scenes(run: _Run, largest: float, title: str | None = None) -> list[Scene]:
             eye=eye,
             target=target,
             low=float(low[2]),
-            summary=summary,
-            parameters=parameters,
-            steps=bool(content.steps),
-            torques=content.has_torques,
-            tool=content.motion.tool_position is not None,
-            loops=bool(content.motion.loop_gap.size),
-            followed=content.reference_path is not None,
+            texts=run.prefix,
         )
         for content in run.shown
     ]
@@ -267,15 +259,15 @@ def _key(content: ShownContent, largest: float) -> str:
     return ", ".join(parts)
 
 
-def _send_text(
-    stream: rr.RecordingStream, run: _Run, truth: Truth | None, summary: str, parameters: str
-) -> None:
+def _send_text(stream: rr.RecordingStream, run: _Run, truth: Truth | None) -> None:
     above = f"{run.viewed.context.text.rstrip()}\n\n" if run.viewed.context.text else ""
     for entity, text in (
-        (summary, above + summary_markdown(run.viewed.result, truth)),
-        (parameters, parameters_markdown(run.viewed.result, truth)),
+        (SUMMARY, above + summary_markdown(run.viewed.result, truth)),
+        (PARAMETERS, parameters_markdown(run.viewed.result, truth)),
     ):
-        stream.log(entity, rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True)
+        stream.log(
+            f"{run.prefix}{entity}", rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True
+        )
 
 
 def _send(stream: rr.RecordingStream, run: _Run, largest: float) -> None:

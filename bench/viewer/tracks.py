@@ -19,7 +19,7 @@ from bench.document.colours import (
 from bench.document.numbers import error_where_moving, percent
 from bench.effects.display_names import spoken
 from bench.identification.result import CurrentSeries, relative_error
-from bench.viewer.content import Curve, Motor, ShownContent, send_line
+from bench.viewer.content import Curve, Motor, ShownContent
 
 FORWARDS, BACKWARDS, REVERSAL, STILL = "forwards", "backwards", "reversal", "standstill"
 MOTION_COLOURS = {
@@ -119,18 +119,13 @@ def _motion(series: CurrentSeries, motor: int, joint: str) -> Lane:
 def send_currents(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
     """Send every motor's logged, measured and modelled current, its position, and its error with the deviation."""
     recording, series = content.recording, content.series
-    errors = error_where_moving(series)
-    logged, fitted, ends = (
-        content.column(recording.time),
-        content.column(series.time),
-        content.column(series.time[[0, -1]]),
-    )
+    errors, ends = error_where_moving(series), content.column(series.time[[0, -1]])
     for j, motor in enumerate(motors):
-        current, error = f"{content.root}/current/{motor.entity}", f"{content.root}/error/{motor.entity}"
+        current, error = f"current/{motor.entity}", f"error/{motor.entity}"
         # The viewer draws curves in alphabetical order, later ones over earlier ones.
-        send_line(stream, f"{current}/logged", logged, recording.current[:, j], LOGGED)
-        send_line(stream, f"{current}/measured", fitted, series.measured[:, j], MEASURED)
-        send_line(stream, f"{current}/modelled", fitted, series.modelled[:, j], MODELLED)
+        content.send(stream, f"{current}/logged", recording.time, recording.current[:, j], LOGGED)
+        content.send(stream, f"{current}/measured", series.time, series.measured[:, j], MEASURED)
+        content.send(stream, f"{current}/modelled", series.time, series.modelled[:, j], MODELLED)
         deviation = rr.Measurements.columns(
             values=np.zeros(2),
             variances=np.full(2, content.deviation[j] ** 2),
@@ -138,15 +133,10 @@ def send_currents(stream: rr.RecordingStream, content: ShownContent, motors: Seq
             names=["± standard deviation of the fitted errors"] * 2,
             colors=[rgb(ON_DARK.band)] * 2,
         )
-        stream.send_columns(f"{error}/deviation", indexes=[ends], columns=deviation)
-        send_line(stream, f"{error}/error", fitted, errors[:, j], ERROR)
-        send_line(
-            stream,
-            f"{content.root}/position/{motor.entity}",
-            logged,
-            recording.position[:, j],
-            Curve(motor.name, POSITION_COLOURS[j % len(POSITION_COLOURS)], 3.0),
-        )
+        stream.send_columns(f"{content.root}/{error}/deviation", indexes=[ends], columns=deviation)
+        content.send(stream, f"{error}/error", series.time, errors[:, j], ERROR)
+        line = Curve(motor.name, POSITION_COLOURS[j % len(POSITION_COLOURS)], 3.0)
+        content.send(stream, f"position/{motor.entity}", recording.time, recording.position[:, j], line)
 
 
 def send_steps(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
@@ -154,79 +144,56 @@ def send_steps(stream: rr.RecordingStream, content: ShownContent, motors: Sequen
     if not content.steps:
         return
     for number, (label, series) in enumerate((*content.steps, (content.label, content.series))):
-        column, errors = content.column(series.time), error_where_moving(series)
+        errors = error_where_moving(series)
         colour = ON_DARK.error if series is content.series else LADDER_ON_DARK[number % len(LADDER_ON_DARK)]
         for j, motor in enumerate(motors):
-            entity = f"{content.root}/steps/{motor.entity}/{number}"
-            send_line(stream, entity, column, errors[:, j], Curve(label, colour, 1.4))
+            entity = f"steps/{motor.entity}/{number}"
+            content.send(stream, entity, series.time, errors[:, j], Curve(label, colour, 1.4))
 
 
 def send_torques(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
     """Send the torque of hidden effects if known, that of the model's effects, and the residual torque."""
     if not content.has_torques:
         return
-    errors = error_where_moving(content.series)
+    errors, known, torques = error_where_moving(content.series), content.known, content.torques
     for j, motor in enumerate(motors):
-        entity = f"{content.root}/torque/{motor.entity}"
-        if content.known is not None and content.known.torque is not None:
-            column = content.column(content.known.time)
-            send_line(stream, f"{entity}/0_hidden", column, content.known.torque[:, j], HIDDEN)
-        fitted = content.column(content.series.time)
-        send_line(stream, f"{entity}/1_left_over", fitted, motor.gain * errors[:, j], REMAINDER)
-        if content.torques is not None and content.torques.total is not None:
-            column = content.column(content.torques.time)
-            _send_effects(stream, entity, column, content, j)
-            send_line(stream, f"{entity}/3_found", column, content.torques.total[:, j], ALL_EFFECTS)
-
-
-def _send_effects(
-    stream: rr.RecordingStream, entity: str, column: rr.TimeColumn, content: ShownContent, motor: int
-) -> None:
-    by_effect = {} if content.torques is None else content.torques.by_effect
-    shown = {
-        name: torque[:, motor] for name, torque in by_effect.items() if np.nan_to_num(torque[:, motor]).any()
-    }
-    if len(shown) < 2:
-        return
-    for number, (name, torque) in enumerate(shown.items()):
-        line = Curve(spoken(name), EFFECT_COLOURS[number % len(EFFECT_COLOURS)], 1.0)
-        send_line(stream, f"{entity}/2_{name}", column, torque, line)
+        entity = f"torque/{motor.entity}"
+        if known is not None and known.torque is not None:
+            content.send(stream, f"{entity}/0_hidden", known.time, known.torque[:, j], HIDDEN)
+        remainder = motor.gain * errors[:, j]
+        content.send(stream, f"{entity}/1_left_over", content.series.time, remainder, REMAINDER)
+        if torques is None or torques.total is None:
+            continue
+        by_effect = {name: torque[:, j] for name, torque in torques.by_effect.items()}
+        acting = {name: torque for name, torque in by_effect.items() if np.nan_to_num(torque).any()}
+        for number, (name, torque) in enumerate(acting.items() if len(acting) > 1 else ()):
+            line = Curve(spoken(name), EFFECT_COLOURS[number % len(EFFECT_COLOURS)], 1.0)
+            content.send(stream, f"{entity}/2_{name}", torques.time, torque, line)
+        content.send(stream, f"{entity}/3_found", torques.time, torques.total[:, j], ALL_EFFECTS)
 
 
 def send_tool(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
     """Send the tool's position and reference, the motors' reference positions, and the opening of the loops."""
-    frames = content.column(content.motion.time)
-    if content.motion.tool_position is not None:
+    motion, wanted, known = content.motion, content.reference_path, content.known
+    if motion.tool_position is not None:
         for k, axis in enumerate(AXES):
             line = Curve(axis, POSITION_COLOURS[k], 4.0)
-            send_line(
-                stream, f"{content.root}/tool/1_{axis}", frames, content.motion.tool_position[:, k], line
-            )
-            if content.reference_path is not None:
-                wanted = Curve(f"{axis}, reference", REFERENCE, 1.2)
-                send_line(
-                    stream, f"{content.root}/tool/2_{axis}", frames, content.reference_path[:, k], wanted
-                )
-        if content.reference_path is not None:
-            apart = 1e3 * np.linalg.norm(content.motion.tool_position - content.reference_path, axis=1)
+            content.send(stream, f"tool/1_{axis}", motion.time, motion.tool_position[:, k], line)
+            if wanted is not None:
+                line = Curve(f"{axis}, reference", REFERENCE, 1.2)
+                content.send(stream, f"tool/2_{axis}", motion.time, wanted[:, k], line)
+        if wanted is not None:
+            apart = 1e3 * np.linalg.norm(motion.tool_position - wanted, axis=1)
             line = Curve("actual path to reference path", ON_DARK.error, 1.6)
-            send_line(stream, f"{content.root}/following", frames, apart, line)
-    if content.motion.loop_gap.size:
-        gap = 1e6 * content.motion.loop_gap.max(axis=1)
-        send_line(stream, f"{content.root}/loop_gap/drawn", frames, gap, CLOSED)
-    known = content.known
-    if known is None:
-        return
-    column = content.column(known.time)
-    if known.loop_gap is not None and known.loop_gap.size:
-        send_line(
-            stream, f"{content.root}/loop_gap/machine", column, 1e6 * known.loop_gap.max(axis=1), MACHINE
-        )
-    if known.reference is not None:
+            content.send(stream, "following", motion.time, apart, line)
+    if motion.loop_gap.size:
+        content.send(stream, "loop_gap/drawn", motion.time, 1e6 * motion.loop_gap.max(axis=1), CLOSED)
+    if known is not None and known.loop_gap is not None and known.loop_gap.size:
+        content.send(stream, "loop_gap/machine", known.time, 1e6 * known.loop_gap.max(axis=1), MACHINE)
+    if known is not None and known.reference is not None:
         for j, motor in enumerate(motors):
             line = Curve(f"{motor.name}, reference", REFERENCE, 1.2)
-            entity = f"{content.root}/reference/{motor.entity}"
-            send_line(stream, entity, column, known.reference[:, j], line)
+            content.send(stream, f"reference/{motor.entity}", known.time, known.reference[:, j], line)
 
 
 def send_phases(stream: rr.RecordingStream, content: ShownContent, motors: Sequence[Motor]) -> None:
@@ -240,13 +207,3 @@ def send_phases(stream: rr.RecordingStream, content: ShownContent, motors: Seque
         stream.log(entity, look, static=True)
         changes = rr.StateChange.columns(state=list(lane.states))
         stream.send_columns(entity, indexes=[content.column(lane.time)], columns=changes)
-
-
-def steps_of(
-    name: str, steps: Sequence[tuple[str, Sequence[CurrentSeries]]]
-) -> tuple[tuple[str, CurrentSeries], ...]:
-    """The currents of the recording `name` in every step that has it, with the step's label."""
-    traces = [
-        (label, next((trace for trace in series if trace.name == name), None)) for label, series in steps
-    ]
-    return tuple((label, trace) for label, trace in traces if trace is not None)

@@ -14,9 +14,8 @@ from bench.dataset.robot import refuse_redundant
 from bench.excitation.bounds import DISCRIMINATION
 from bench.excitation.discrimination.evidence import error_over_noise, estimate_of_rival, shown_nats
 from bench.excitation.discrimination.limits import Envelope, envelope
-from bench.excitation.discrimination.motion_figures import planned_facts, recorded_facts
 from bench.excitation.discrimination.predicted_currents import planned, predicted, times_of
-from bench.excitation.discrimination.result import Discrimination, ImpossibleSign
+from bench.excitation.discrimination.result import Discrimination, ImpossibleSign, MotionFacts, motion_facts
 from bench.excitation.discrimination.rival_models import Rival, fit_rivals, noise_of
 from bench.excitation.discrimination.search import DesignedMotion, band_of, best_loaded, best_motion, starts
 from bench.excitation.discrimination.separation import Question, question, residual_share, separation
@@ -24,6 +23,7 @@ from bench.excitation.limits import feasible_motion
 from bench.identification.decision import RULE
 from bench.identification.problem import Problem
 from bench.identification.tolerances import TOLERANCES
+from bench.scenario.trajectory import FourierTrajectory
 
 SECOND = "a second payload"
 
@@ -58,8 +58,9 @@ def discriminate(
     first = rivals[0]
     noise, around = noise_of(rivals), envelope(first, widen)
     measured, joints = first.prepared.measured, dataset.robot.joints
-    seconds = max(float(np.ptp(measurement.time)) for measurement in measured)
-    duration = duration or float(np.clip(round(seconds), DISCRIMINATION.shortest, DISCRIMINATION.longest))
+    spans = [float(np.ptp(measurement.time)) for measurement in measured]
+    recorded = [(entry.position, entry.velocity, entry.acceleration) for entry in measured]
+    duration = duration or float(np.clip(round(max(spans)), DISCRIMINATION.shortest, DISCRIMINATION.longest))
     absorbed = tuple(rival.request for rival in rivals if rival.absorbed)
     asked: tuple[Question, ...] = (question(*rivals, noise), question(*rivals[::-1], noise))
     asked = () if absorbed else asked
@@ -81,12 +82,11 @@ def discriminate(
         absorbed=absorbed,
         imitated=imitated,
         questions=asked,
-        envelope=around,
-        given_seconds=sum(float(np.ptp(measurement.time)) for measurement in measured),
+        given_seconds=sum(spans),
         held_out_rows=_judged_rows(dataset, first),
         motion=motion,
-        recorded=recorded_facts(measured, joints),
-        planned={} if motion is None else planned_facts(motion.trajectory, joints),
+        recorded=motion_facts(recorded, sum(spans), joints),
+        planned={} if motion is None else _planned_facts(motion.trajectory, joints),
         second=None,
         wider=None,
         impossible=_impossible(rivals),
@@ -98,6 +98,11 @@ def discriminate(
     return replace(
         result, second=heavier, wider=None if far is None else (DISCRIMINATION.wider * widen, far.nats)
     )
+
+
+def _planned_facts(trajectory: FourierTrajectory, joints: Sequence[str]) -> dict[str, MotionFacts]:
+    time = np.arange(int(trajectory.duration * DISCRIMINATION.rate) + 1) / DISCRIMINATION.rate
+    return motion_facts([trajectory.evaluate(time)], trajectory.duration, joints)
 
 
 def _judged_rows(dataset: Dataset, rival: Rival) -> int:

@@ -9,7 +9,6 @@ from matplotlib.ticker import MaxNLocator
 
 from bench.basics.errors import BenchError
 from bench.basics.figure_style import DPI, STYLE
-from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import units_of_gain
 from bench.effects.display_names import spoken
 from bench.excitation.bounds import DISCRIMINATION
@@ -33,45 +32,29 @@ def discrimination_figure(result: Discrimination) -> Figure:
         for j, (joint, unit) in enumerate(result.joints.items()):
             length = units_of_gain(unit).position
             recorded = result.recorded[joint]
-            for column, (kind, low, high) in enumerate(
-                (("position", recorded.low, recorded.high), ("velocity", -recorded.speed, recorded.speed))
-            ):
-                panel = axes[j, column]
-                panel.axhspan(
-                    low,
-                    high,
-                    color=BAND,
-                    alpha=0.2,
-                    linewidth=0.0,
-                    label="recorded so far; at the right: the noise",
-                )
+            bands = ((recorded.low, recorded.high), (-recorded.speed, recorded.speed), (-1.0, 1.0))
+            names = (f"{joint} [{length}]", f"{joint} [{length}/s]", f"{joint}, current [σ of noise]")
+            for panel, band, name in zip(axes[j], bands, names, strict=True):
+                panel.axhspan(*band, color=BAND, alpha=0.2, linewidth=0.0)
+                panel.set_ylabel(name)
+            for panel, kind in zip(axes[j], ("position", "velocity"), strict=False):
                 panel.plot(table["time"], table[f"{kind}.{joint}"], color=MOVING, linewidth=1.1)
-                panel.set_ylabel(f"{joint} [{length}{'/s' if column else ''}]")
-            axes[j, 2].set_ylabel(f"{joint}, current [σ of noise]")
-            axes[j, 2].axhspan(-1.0, 1.0, color=BAND, alpha=0.2, linewidth=0.0)
             for asked, answer, colour in zip(result.questions, result.motion.answers, COLOURS, strict=False):
-                name = spoken(asked.truth.request.replace(":", " at "))
-                axes[j, 2].plot(
-                    answer.time,
-                    np.where(
-                        answer.residual[:, j] == 0.0, np.nan, answer.residual[:, j]
-                    ),  # no row at standstill
-                    color=colour,
-                    linewidth=1.0,
-                    label=f"if {name} is the truth",
-                )
+                residual = answer.residual[:, j]
+                known = np.where(residual == 0.0, np.nan, residual)  # no row at standstill
+                label = f"if {spoken(asked.truth.request.replace(':', ' at '))} is the truth"
+                axes[j, 2].plot(answer.time, known, color=colour, linewidth=1.0, label=label)
         for column, title in enumerate(("Position", "Velocity", "What the wrong model lacks")):
             axes[0, column].set_title(title)
             axes[-1, column].set_xlabel("time [s]")
             axes[-1, column].xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         figure.align_ylabels()
+        axes[0, 0].patches[0].set_label("recorded so far; at the right: the noise")
         handles = [axes[0, 0].patches[0], *axes[0, 2].get_lines()]
         figure.legend(handles=handles, loc="outside upper center", ncols=4, frameon=False)
     return figure
 
 
 def write_discrimination_figure(path: Path, result: Discrimination) -> None:
-    """Write `discrimination_figure` as a picture, whole or not at all."""
-    figure = discrimination_figure(result)
-    with atomic_path(path) as partial:
-        figure.savefig(partial)
+    """Write `discrimination_figure` as a picture into a folder that `write_discrimination` completes."""
+    discrimination_figure(result).savefig(path)

@@ -1,6 +1,6 @@
 """The motion as files: for a robot's controller, for a scenario, and for people."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -56,18 +56,23 @@ def write_discrimination(
     rate: of the trajectory table, Hz. draw: draws the picture at a path. commands: the command lines for the README.
     Raises BenchError if the folder has other content, or cannot be written.
     """
-    check_folder(folder)
+    return written_whole(folder, (ANSWER,), lambda partial: _write(partial, result, draw, rate, commands))
+
+
+def written_whole(folder: str | Path, marks: Sequence[str], write: Callable[[Path], None]) -> list[Path]:
+    """Write a folder completely or not at all, and return its files; marks: see `check_folder`."""
+    check_folder(folder, *marks)
     with whole_folder(folder) as partial:
-        _write(partial, result, draw, rate, commands)
+        write(partial)
         names = sorted(path.name for path in partial.iterdir())
     return [Path(folder) / name for name in names]
 
 
-def check_folder(folder: str | Path) -> None:
-    """Raise BenchError if the folder has content that `write_discrimination` did not write."""
+def check_folder(folder: str | Path, *marks: str) -> None:
+    """Raise BenchError if the folder has content, but not the files `marks` of an earlier call."""
     target = Path(folder)
     empty = not target.exists() or (target.is_dir() and not any(target.iterdir()))
-    if not empty and not (target / ANSWER).is_file():
+    if not empty and not all((target / mark).is_file() for mark in marks):
         raise BenchError(f"{folder}: is there already and holds something else: name another folder")
 
 

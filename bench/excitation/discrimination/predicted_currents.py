@@ -81,11 +81,6 @@ def rows_with(rival: Rival, plan: PlannedMotion, current: np.ndarray) -> tuple[O
     return rows, tangents(rival, [seen], DISCRIMINATION.decimation)
 
 
-def given_tangents(rival: Rival) -> np.ndarray:
-    """The tangents (M, n, k) over the given recordings, in the order of the stack."""
-    return tangents(rival, rival.prepared.signals, rival.prepared.settings.decimation)
-
-
 def tangents(rival: Rival, seen: Sequence[RobotSignals], decimation: int) -> np.ndarray:
     """Derivatives of the effects' torque by continuous shape parameters, (M, n, k) N*m or N per unit."""
     columns, at = [], 0

@@ -1,14 +1,13 @@
 """Result of a search for a telling motion."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from bench.excitation.bounds import DISCRIMINATION
-from bench.excitation.discrimination.limits import Envelope
 from bench.excitation.discrimination.search import DesignedMotion
-from bench.excitation.discrimination.separation import Question
+from bench.excitation.discrimination.separation import Question, Separation
 from bench.identification.decision import RULE
 
 
@@ -58,7 +57,6 @@ class Discrimination:
     absorbed: tuple[str, ...]
     imitated: tuple[str, ...]
     questions: tuple[Question, ...]
-    envelope: Envelope
     given_seconds: float
     held_out_rows: int
     motion: DesignedMotion | None
@@ -92,20 +90,17 @@ class Discrimination:
         """The share by which the wrong model's error is larger, over given data not fitted and the new motion."""
         if self.motion is None or not self.questions:
             return 0.0
-        shares = [
-            2.0 * answer.nats * answer.autocorrelation_time / (self.held_out_rows + answer.count)
-            for answer in self.motion.answers
-        ]
-        return float(np.sqrt(1.0 + min(shares)) - 1.0)
+        return _growth(
+            (answer.nats, answer, self.held_out_rows + answer.count) for answer in self.motion.answers
+        )
 
     @property
     def given_tells(self) -> bool:
         """Whether the given data suffice."""
         if self.motion is None or not self.questions or self.held_out_rows == 0:
             return False
-        pairs = list(zip(self.given.values(), self.motion.answers, strict=True))
-        shares = [2.0 * nats * answer.autocorrelation_time / self.held_out_rows for nats, answer in pairs]
-        growth = float(np.sqrt(1.0 + min(shares)) - 1.0)
+        pairs = zip(self.given.values(), self.motion.answers, strict=True)
+        growth = _growth((nats, answer, self.held_out_rows) for nats, answer in pairs)
         return min(self.given.values()) >= RULE.prior and growth >= RULE.material
 
     @property
@@ -114,3 +109,40 @@ class Discrimination:
         return (
             bool(self.promised) and min(self.promised.values()) >= RULE.prior and self.growth >= RULE.material
         )
+
+
+def _growth(answers: Iterable[tuple[float, Separation, float]]) -> float:
+    """The smallest share by which the wrong model's error is larger, of nats over a number of rows."""
+    shares = [2.0 * nats * answer.autocorrelation_time / rows for nats, answer, rows in answers]
+    return float(np.sqrt(1.0 + min(shares)) - 1.0)
+
+
+States = Sequence[np.ndarray]
+"""Positions, velocities and accelerations of the motors in a motion, (N, n) each."""
+
+
+def motion_facts(motions: Sequence[States], seconds: float, joints: Sequence[str]) -> dict[str, MotionFacts]:
+    """Facts of motions that last `seconds` together, by joint."""
+    return {
+        joint: _facts([[state[:, j] for state in states] for states in motions], seconds)
+        for j, joint in enumerate(joints)
+    }
+
+
+def _facts(motions: Sequence[States], seconds: float) -> MotionFacts:
+    position, speed, acceleration = ([states[order] for states in motions] for order in range(3))
+    fastest = max(float(np.abs(values).max()) for values in speed)
+    count, turning = 0, []
+    for v, a in zip(speed, acceleration, strict=True):
+        fast = np.flatnonzero(np.abs(v) > DISCRIMINATION.slow * fastest)
+        turns = fast[:-1][np.diff(np.sign(v[fast])) != 0]
+        count += len(turns)
+        turning += np.abs(a[turns]).tolist()
+    return MotionFacts(
+        low=min(float(values.min()) for values in position),
+        high=max(float(values.max()) for values in position),
+        speed=fastest,
+        acceleration=max(float(np.abs(values).max()) for values in acceleration),
+        reversals=count / seconds,
+        turning=float(np.median(turning)) if turning else 0.0,
+    )

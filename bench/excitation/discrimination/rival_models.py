@@ -81,15 +81,12 @@ def noise_of(rivals: tuple[Rival, Rival]) -> RivalNoise:
     """The noise of the currents, from the errors of the model that fits better."""
     errors = [residual_series(rival.stack, rival.solution) for rival in rivals]
     sizes = [
-        float(np.sum((error * rival.solution.weights) ** 2))
-        for error, rival in zip(errors, rivals, strict=True)
+        np.sum((error * rival.solution.weights) ** 2) for error, rival in zip(errors, rivals, strict=True)
     ]
-    better = rivals[int(np.argmin(sizes))]
+    error, better = errors[int(np.argmin(sizes))], rivals[int(np.argmin(sizes))]
     weights = np.max([rival.solution.weights for rival in rivals], axis=0)
-    series = residual_series(better.stack, better.solution) * weights
-    parts = np.split(series, better.stack.starts[1:])
-    prepared = better.prepared
-    row_rate = prepared.measured[0].recording.rate / prepared.settings.decimation
+    parts = np.split(error * weights, better.stack.starts[1:])
+    row_rate = better.prepared.measured[0].recording.rate / better.prepared.settings.decimation
     return RivalNoise(weights, row_rate, autocorrelation_time(parts) / row_rate)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT, Progress
 from bench.excitation.bounds import DESIGN, DISCRIMINATION
-from bench.excitation.design import Movement, changed, drawn, feasible
+from bench.excitation.design import Movement, changed, drawn, shrunk, within
 from bench.excitation.discrimination.limits import Envelope
 from bench.excitation.discrimination.predicted_currents import planned, predicted, times_of
 from bench.excitation.discrimination.rival_models import Rival
@@ -103,10 +103,9 @@ def starts(
         )
         trajectory = drawn(movement, random)
         if n > 1 and i % 3 == 2:  # one motor alone
-            alone = (np.arange(n) == random.integers(n))[:, None]
-            trajectory = replace(trajectory, a=trajectory.a * alone, b=trajectory.b * alone)
+            trajectory = trajectory.scaled((np.arange(n) == random.integers(n))[:, None])
         try:
-            possible = feasible(model, limits, movement, trajectory, dense=True)
+            possible = shrunk(model, limits, movement, trajectory, dense=True).trajectory
         except BenchError:  # no motion fits about this center
             continue
         yield replace(movement, velocity=envelope.velocity), possible
@@ -124,8 +123,7 @@ def _varied(
     if what == 0:
         trajectory = changed(trajectory, spread, random)
     elif what == 1:
-        factor = np.exp(2.0 * spread * random.normal(size=(len(trajectory.center), 1)))
-        trajectory = replace(trajectory, a=trajectory.a * factor, b=trajectory.b * factor)
+        trajectory = trajectory.scaled(np.exp(2.0 * spread * random.normal(size=(len(trajectory.center), 1))))
     elif what == 2:
         low, high = envelope.joint.low, envelope.joint.high
         center = movement.center + 0.5 * spread * (high - low) * random.normal(size=len(low))
@@ -138,27 +136,10 @@ def _varied(
         frequency = max(frequency, DISCRIMINATION.least_periods / movement.duration)
         movement = replace(movement, base_frequency=frequency)
         trajectory = replace(trajectory, base_frequency=frequency)
-    return movement, _inside(movement, trajectory)
-
-
-def _inside(movement: Movement, trajectory: FourierTrajectory) -> FourierTrajectory:
-    """Scaled down, joint by joint, to keep span, velocity and acceleration; at its smooth ends, too."""
-    rate = max(
-        DISCRIMINATION.points * trajectory.harmonics * trajectory.base_frequency,
-        DISCRIMINATION.points / trajectory.ramp,
-    )
+    points = DISCRIMINATION.points  # enough at its smooth ends, too
+    rate = max(points * trajectory.harmonics * trajectory.base_frequency, points / trajectory.ramp)
     time = np.linspace(0.0, trajectory.duration, int(rate * trajectory.duration) + 2)
-    position, velocity, acceleration = trajectory.evaluate(time)
-    shares = np.max(
-        [
-            np.abs(position - movement.center).max(axis=0) / movement.span,
-            np.abs(velocity).max(axis=0) / movement.velocity,
-            np.abs(acceleration).max(axis=0) / movement.acceleration,
-        ],
-        axis=0,
-    )
-    scale = 0.999 / np.maximum(shares, 0.999)[:, None]
-    return replace(trajectory, a=trajectory.a * scale, b=trajectory.b * scale)
+    return movement, within(movement, trajectory, time, most=0.999)
 
 
 def best_loaded(

@@ -21,13 +21,11 @@ def sentences(result: Discrimination) -> list[str]:
 
 def warnings(result: Discrimination) -> list[str]:
     """Doubts about the answer: a model that is known to be wrong."""
-    if not result.model_is_wrong:
-        return []
     doubt = (
         f"With either effect, the model's error is {_number(result.error_over_noise)} times the noise of the current: "
         "the model lacks another effect. Run bench diagnose first, and add its result by --with."
     )
-    return [doubt]
+    return [doubt] if result.model_is_wrong else []
 
 
 def next_step(result: Discrimination, diagnose: str, folder: str | Path) -> str | None:
@@ -56,6 +54,7 @@ def length_unit(result: Discrimination, joint: str) -> str:
 
 def _answer(result: Discrimination) -> list[str]:
     names = [_spoken(effect) for effect in result.effects]
+    remedies = or_list(telling_motions([effect.partition(":")[0] for effect in result.effects]))
     if result.absorbed:
         taken = and_list([_spoken(name) for name in result.absorbed])
         verdict = (
@@ -64,18 +63,15 @@ def _answer(result: Discrimination) -> list[str]:
         )
         return [verdict, *_against(result)]
     if not result.questions:
-        return [
-            f"No motion of this robot can distinguish {and_list(names)}: they have the same effect.",
-            *_against(result),
-        ]
+        verdict = f"No motion of this robot can distinguish {and_list(names)}: they have the same effect."
+        return [verdict, *_against(result)]
     lines = [*_against(result), *(_imitated(result, name) for name in result.imitated)]
     if result.nothing:
         shown = and_list([f"{_number(nats)} nats ({_spoken(name)})" for name, nats in result.shown.items()])
         lines.append(
             f"Neither effect shows in these data: they explain {shown}; a verdict needs {RULE.prior:g} ({NATS}). "
             "No motion inside the limits would show effects as small as the fitted ones, so there is nothing to "
-            f"distinguish. If you still suspect one of them, excite it first: "
-            f"{or_list(telling_motions(_names(result)))}."
+            f"distinguish. If you still suspect one of them, excite it first: {remedies}."
         )
         return lines
     if max(result.shown.values(), default=0.0) < RULE.prior:
@@ -89,18 +85,17 @@ def _answer(result: Discrimination) -> list[str]:
     if result.given_tells:
         lines.append("That is enough: bench diagnose can distinguish them without a new motion.")
     if result.motion is None:
-        lines.append(
-            f"The search found no motion inside the limits. Possible remedies: "
-            f"{or_list(telling_motions(_names(result)))}."
-        )
-        return lines
-    seconds = result.motion.trajectory.duration
+        return [*lines, f"The search found no motion inside the limits. Possible remedies: {remedies}."]
+    seconds, carried = result.motion.trajectory.duration, result.motion.payload
+    measured = result.questions[0].truth.prepared.measured
+    loads = any(measurement.recording.payload for measurement in measured)
+    carrying = f" with {carried}" if carried is not None else " without a payload" if loads else ""
     lines.append(
-        f"This motion, {seconds:.3g} s{_carrying(result)}, raises that to {_nats(result.promised)}; the error of the "
+        f"This motion, {seconds:.3g} s{carrying}, raises that to {_nats(result.promised)}; the error of the "
         f"wrong model is then {in_percent(result.growth, 2)} larger than that of the right one."
     )
     if not result.tells:
-        lines += _not_enough(result)
+        lines += _not_enough(result, remedies)
     return lines + motion_words(result)
 
 
@@ -116,10 +111,8 @@ def motion_words(result: Discrimination) -> list[str]:
     """Differences of the motion from the recordings."""
     if result.motion is None:
         return []
-    said_of = []
     moving = [joint for joint, facts in result.planned.items() if facts.high > facts.low]
-    if len(moving) == 1 < len(result.planned):
-        said_of.append(f"{motor_words(moving[0])} moves alone")
+    said_of = [f"{motor_words(moving[0])} moves alone"] if len(moving) == 1 < len(result.planned) else []
     for joint in moving:
         unit = length_unit(result, joint)
         said_of += _joint_words(joint, unit, result.recorded[joint], result.planned[joint])
@@ -139,14 +132,11 @@ def _joint_words(joint: str, unit: str, old: MotionFacts, new: MotionFacts) -> l
             f"{motor} moves between {new.low:.3g} and {new.high:.3g} {unit} (recorded: {old.low:.3g} to "
             f"{old.high:.3g} {unit})"
         )
+    speeds = f"{new.speed:.2g} {unit}/s (recorded: {old.speed:.2g} {unit}/s)"
     if new.speed * DISCRIMINATION.much < old.speed:
-        words.append(
-            f"{motor} moves slowly, at most {new.speed:.2g} {unit}/s (recorded: {old.speed:.2g} {unit}/s)"
-        )
+        words.append(f"{motor} moves slowly, at most {speeds}")
     elif new.speed > DISCRIMINATION.much * old.speed:
-        words.append(
-            f"{motor} moves faster, up to {new.speed:.2g} {unit}/s (recorded: {old.speed:.2g} {unit}/s)"
-        )
+        words.append(f"{motor} moves faster, up to {speeds}")
     if new.turning * DISCRIMINATION.much < old.turning:
         words.append(f"it reverses slowly at {joint}")
     elif new.turning > DISCRIMINATION.much * old.turning:
@@ -156,7 +146,7 @@ def _joint_words(joint: str, unit: str, old: MotionFacts, new: MotionFacts) -> l
     return words
 
 
-def _not_enough(result: Discrimination) -> list[str]:
+def _not_enough(result: Discrimination, remedies: str) -> list[str]:
     """Why evidence is too little, and what helps."""
     nats = min(result.promised.values())
     lines = ["The search found no motion inside these limits that distinguishes them with certainty."]
@@ -172,9 +162,7 @@ def _not_enough(result: Discrimination) -> list[str]:
             f"With a second payload of {mass:.3g} kg the same motion gives an expected {_number(heavy)} nats."
         )
     if len(lines) == 1:
-        lines.append(
-            f"Possible remedies: {or_list(telling_motions(_names(result)))}; less noise; or --duration."
-        )
+        lines.append(f"Possible remedies: {remedies}; less noise; or --duration.")
     return lines
 
 
@@ -188,24 +176,6 @@ def _imitated(result: Discrimination, name: str) -> str:
 
 def _nats(values: Mapping[str, float]) -> str:
     return or_list([f"{_number(nats)} nats if {_spoken(name)} is true" for name, nats in values.items()])
-
-
-def _carrying(result: Discrimination) -> str:
-    if result.motion is None or result.motion.payload is None:
-        return " without a payload" if any(load for load in _loads(result)) else ""
-    return f" with {result.motion.payload}"
-
-
-def _loads(result: Discrimination) -> list[str]:
-    return [
-        measurement.recording.payload
-        for measurement in result.questions[0].truth.prepared.measured
-        if measurement.recording.payload is not None
-    ]
-
-
-def _names(result: Discrimination) -> list[str]:
-    return [effect.partition(":")[0] for effect in result.effects]
 
 
 def _spoken(request: str) -> str:

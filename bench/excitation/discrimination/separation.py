@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.excitation.bounds import DISCRIMINATION
-from bench.excitation.discrimination.predicted_currents import PlannedMotion, given_tangents, rows_with
+from bench.excitation.discrimination.predicted_currents import PlannedMotion, rows_with, tangents
 from bench.excitation.discrimination.rival_models import Rival, RivalNoise
 from bench.identification.compressed import Stack, stack_observations
 from bench.identification.solution import Solution
@@ -51,7 +51,8 @@ def question(truth: Rival, other: Rival, noise: RivalNoise) -> Question:
     """Ask it; both models were fitted to the same rows."""
     modelled = (truth.stack.phi @ truth.solution.theta + truth.stack.kappa) / truth.solution.gains
     stack = replace(other.stack, current=modelled * other.stack.moving)
-    rows = _rows(stack, other.solution, given_tangents(other), noise.weights)
+    curved = tangents(other, other.prepared.signals, other.prepared.settings.decimation)
+    rows = _rows(stack, other.solution, curved, noise.weights)
     rows_as_one = max(1.0, noise.autocorrelation_time * noise.row_rate)
     return Question(truth, other, noise, np.asarray(np.linalg.qr(rows / np.sqrt(rows_as_one), mode="r")))
 

@@ -68,7 +68,7 @@ def plan_after(
     begun: list[Started] = []
     for load in loads:
         if load is None or nominal.payloads[load].mass is not None:
-            sizes = begun[0].sizes if begun else None
+            sizes = begun[0].search.errors.sizes if begun else None
             begun.append(
                 started(
                     nominal,

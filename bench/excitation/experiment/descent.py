@@ -105,20 +105,13 @@ def _program(_: Search, asked: tuple[Linearised, float]) -> tuple[np.ndarray, fl
     strays = trusted * np.abs(about.errors.slopes).sum(axis=1)
     errors = about.errors.at(about.errors.values + strays >= (about.errors.values - strays).max())
     limits = about.limits.at(about.limits.values + trusted * np.abs(about.limits.slopes).sum(axis=1) > 1.0)
-    count = errors.slopes.shape[1]
     mean = SEARCH.mean_weight * about.mean
-    rows = np.vstack(
-        (
-            np.hstack((errors.slopes, -np.ones((len(errors.values), 1)))),
-            np.hstack((limits.slopes, np.zeros((len(limits.values), 1)))),
-        )
-    )
-    right = np.concatenate((-errors.values, np.maximum(1.0 - limits.values, 0.0)))
+    largest = np.repeat([-1.0, 0.0], [len(errors.values), len(limits.values)])  # the last unknown
     optimum = linprog(
         np.append(mean, 1.0),
-        A_ub=rows,
-        b_ub=right,
-        bounds=[*[(-trusted, trusted)] * count, (None, None)],
+        A_ub=np.column_stack((np.vstack((errors.slopes, limits.slopes)), largest)),
+        b_ub=np.concatenate((-errors.values, np.maximum(1.0 - limits.values, 0.0))),
+        bounds=[*[(-trusted, trusted)] * len(mean), (None, None)],
         method="highs",
     )
     if optimum.x is None:
@@ -127,13 +120,8 @@ def _program(_: Search, asked: tuple[Linearised, float]) -> tuple[np.ndarray, fl
     return step, float(errors.values.max() - optimum.x[-1] - mean @ step)
 
 
-@dataclass(frozen=True)
-class _Change:
-    """A trajectory and the motion that it modifies, with its payload."""
-
-    trajectory: FourierTrajectory
-    load: str | None
-    near: Motion
+_Change = tuple[FourierTrajectory, str | None, Motion]
+"""A trajectory, its payload, and the motion that it modifies."""
 
 
 def _changes(search: Search, candidate: Candidate, step: np.ndarray) -> list[_Change]:
@@ -143,14 +131,13 @@ def _changes(search: Search, candidate: Candidate, step: np.ndarray) -> list[_Ch
         sizes = coefficient_sizes(search.room, before.trajectory)
         of_motion = step[at : at + sizes.size].reshape(sizes.shape) * sizes
         at += sizes.size
-        trajectory = filled(search.room, moved(before.trajectory, of_motion))
-        changes.append(_Change(trajectory, load, before.motion))
+        changes.append((filled(search.room, moved(before.trajectory, of_motion)), load, before.motion))
     return changes
 
 
 def _tried(search: Search, change: _Change) -> Tried | None:
     """The changed motion with its rows; None if it violates the limits."""
-    return search.tried(change.trajectory, change.load, change.near)
+    return search.tried(*change)
 
 
 def best_near(

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from bench.excitation.bounds import PROOF
-from bench.excitation.experiment.motor_balls import Intervals, MotorBalls
+from bench.excitation.experiment.between_samples import Intervals, MotorBalls
 from bench.model.balls import balls, dense_balls
 from bench.model.closure import Closures, closures_of, loop_bias, loop_jacobian, loop_rows
 from bench.model.configuration import displacements, integrate
@@ -29,9 +29,9 @@ from bench.model.spin import idle_spins
 @dataclass(frozen=True)
 class Enclosure:
     """Intervals whose loops are held: poses q (K, nq) with radii; speeds, accelerations (K, nv) and the Jacobian (K,
-    nv, n) of all joints by motors, about those of `motion`. rows, hold (K, m, nv): the closures' Jacobian in the middle
-    and its radius; inverse (K, passive, m): C; rounding: see `_Linear`. passed (K, nv): radii of the poses that the
-    motion passes through; strays (K, nv): its distance, at the intervals' ends, from motion at the middle's speeds.
+    nv, n) of all joints by motors, about those of `motion`. linear: of the closures. passed (K, nv): radii of the poses
+    that the motion passes through; strays (K, nv): its distance, at the intervals' ends, from motion at the middle's
+    speeds.
     """
 
     motion: Motion
@@ -39,10 +39,7 @@ class Enclosure:
     v: np.ndarray
     a: np.ndarray
     jacobian: np.ndarray
-    rows: np.ndarray
-    hold: np.ndarray
-    inverse: np.ndarray
-    rounding: np.ndarray
+    linear: "LinearClosures"
     passed: np.ndarray
     strays: np.ndarray
 
@@ -52,7 +49,7 @@ class PoseSets:
     """Sets of poses about the middles of intervals in which no other closes the loops. reach (K, nv): radii; passed (K,
     nv): those of the poses that the motion passes; held (K,): whether this is proven; else the rest is invalid. excess
     (K,): factor by which an interval is too long, about. inverse (K, passive, m): C; bounds (K, passive): largest
-    distance of closed poses from the motion's; rounding: see `_Linear`.
+    distance of closed poses from the motion's; rounding: see `LinearClosures`.
     """
 
     reach: np.ndarray
@@ -69,13 +66,15 @@ class PoseSets:
 
 
 @dataclass(frozen=True)
-class _Linear:
-    """A_a, A_p and their radii, (K, m, nv); how a solution of A_p x = y follows from C y. rounding (K, passive): of C,
-    |I - C A_p| in the middle times the `column_scales`.
+class LinearClosures:
+    """The closures' Jacobian [A_a, A_p] in the middle of a set of poses and its radius, (K, m, nv); inverse: C (K,
+    passive, m), and how a solution of A_p x = y follows from C y. rounding (K, passive): of C, |I - C A_p| in the
+    middle times the `column_scales`.
     """
 
     closures: Closures
     inverse: np.ndarray
+    middle: np.ndarray
     radius: np.ndarray
     turned: np.ndarray
     weights: np.ndarray
@@ -87,13 +86,13 @@ class _Linear:
         ratio = (sizes / self.weights[:, :, None]).max(axis=1, initial=0.0) / (1.0 - self.largest[:, None])
         return np.asarray(sizes + self.turned[:, :, None] * ratio[:, None, :])
 
-    def jacobian(self, motion: Motion, middle: np.ndarray) -> np.ndarray:
+    def jacobian(self, motion: Motion) -> np.ndarray:
         """Radius (K, passive, n) of J about the motion's."""
         active, passive = list(self.closures.active), list(self.closures.passive)
-        sizes = np.empty((len(middle), len(passive), len(active)))
-        for part in _cached(middle):
-            jacobian, radius = motion.jacobian[part][:, passive], self.radius[part]
-            off = middle[part][:, :, active] + middle[part][:, :, passive] @ jacobian
+        sizes = np.empty((len(self.middle), len(passive), len(active)))
+        for part in _cached(self.middle):
+            jacobian, middle, radius = motion.jacobian[part][:, passive], self.middle[part], self.radius[part]
+            off = middle[:, :, active] + middle[:, :, passive] @ jacobian
             strays = radius[:, :, active] + radius[:, :, passive] @ np.abs(jacobian)
             sizes[part] = np.abs(self.inverse[part] @ off) + np.abs(self.inverse[part]) @ strays
         return self.bounded(sizes)
@@ -108,8 +107,8 @@ def pose_sets(geometry: Geometry, intervals: Intervals, motors: MotorBalls, moti
     reach = speeds.moved(PROOF.wider * speeds.first)
     least = PROOF.least_radius * (reach / scales).max(axis=1, keepdims=True) * scales
     reach[:, passive] = np.maximum(reach, least)[:, passive] + 2.0 * bounds
-    wide, middle = _linear(geometry, closures, motion, reach, reach, inverse)
-    straying = _by(wide.jacobian(motion, middle), speeds.fastest)
+    wide = _linear(geometry, closures, motion, reach, reach, inverse)
+    straying = _by(wide.jacobian(motion), speeds.fastest)
     passed = speeds.moved(speeds.first + straying)
     passed[:, passive] += bounds
     held = (wide.largest <= PROOF.turned) & np.all(passed[:, passive] <= reach[:, passive], axis=1)
@@ -167,9 +166,9 @@ def enclosed(
     """The whole robot in every interval, all of which are held; motion: in their middles. rates: accelerations, too."""
     closures, passive = closures_of(geometry), geometry.passive
     speeds = _Speeds(geometry, intervals, motors, motion)
-    tight, middle = _linear(geometry, closures, motion, sets.passed, sets.reach, sets.inverse, sets.rounding)
+    tight = _linear(geometry, closures, motion, sets.passed, sets.reach, sets.inverse, sets.rounding)
     jacobian = np.zeros_like(motion.jacobian)
-    jacobian[:, passive] = tight.jacobian(motion, middle)
+    jacobian[:, passive] = tight.jacobian(motion)
     v = speeds.changes + _by(jacobian, speeds.fastest)
     passed = speeds.moved(speeds.first + _by(jacobian[:, passive], speeds.fastest))
     strays = speeds.moved(v[:, passive])
@@ -184,21 +183,8 @@ def enclosed(
     if rates:
         _, _, growing = motors.radius
         a = _by(np.abs(motion.jacobian), growing) + _by(jacobian, np.abs(motors.middle[2]) + growing)
-        a[:, passive] += _bias(geometry, motion, tight, middle, passed, v)
-    configurations = _configurations(geometry, passed)
-    return Enclosure(
-        motion,
-        configurations,
-        v,
-        a,
-        jacobian,
-        middle,
-        tight.radius,
-        sets.inverse,
-        sets.rounding,
-        passed,
-        strays,
-    )
+        a[:, passive] += _bias(geometry, motion, tight, passed, v)
+    return Enclosure(motion, _configurations(geometry, passed), v, a, jacobian, tight, passed, strays)
 
 
 def follows(
@@ -291,10 +277,8 @@ def _linear(
     weights: np.ndarray,
     inverse: np.ndarray,
     rounding: np.ndarray | None = None,
-) -> tuple[_Linear, np.ndarray]:
-    """The closures' Jacobian in a set of poses, and in its middle; weights (K, nv): of the norm; rounding: see
-    `_Linear`, computed if None.
-    """
+) -> LinearClosures:
+    """The closures in a set of poses; weights (K, nv): of the norm; rounding: of `LinearClosures`, computed if None."""
     q = balls(motion.q.T, _configurations(geometry, reach).T)
     _, middle, radius = _rows(closures, q, len(motion.time))
     passive = geometry.passive
@@ -302,39 +286,32 @@ def _linear(
     if rounding is None:
         rounding = np.empty_like(weights)
         for part in _cached(middle):
-            rounding[part] = (
-                np.abs(np.eye(len(passive)) - inverse[part] @ middle[part][:, :, passive]) @ scales
-            )
+            turns = np.eye(len(passive)) - inverse[part] @ middle[part][:, :, passive]
+            rounding[part] = np.abs(turns) @ scales
     turned = rounding * (weights / scales).max(axis=1, keepdims=True, initial=0.0)
     for part in _cached(middle):
         turned[part] += _by(np.abs(inverse[part]), _by(radius[part][:, :, passive], weights[part]))
     largest = (turned / weights).max(axis=1, initial=0.0)
-    return _Linear(closures, inverse, radius, turned, weights, largest, rounding), middle
+    return LinearClosures(closures, inverse, middle, radius, turned, weights, largest, rounding)
 
 
 def _bias(
-    geometry: Geometry,
-    motion: Motion,
-    linear: _Linear,
-    middle: np.ndarray,
-    passed: np.ndarray,
-    v: np.ndarray,
+    geometry: Geometry, motion: Motion, linear: LinearClosures, passed: np.ndarray, v: np.ndarray
 ) -> np.ndarray:
     """Radius (K, passive) of the passive accelerations without acceleration of the motors."""
     closures, passive = linear.closures, geometry.passive
     frames = frames_of(closures.links, balls(motion.q.T, _configurations(geometry, passed).T))
     values, sizes = dense_balls(loop_bias(closures, frames, balls(motion.v.T, v.T)), len(motion.time))
     rest = motion.a[:, passive] - _by(motion.jacobian[:, passive], motion.a[:, geometry.active])
-    off = np.abs(_by(linear.inverse, values.T + _by(middle[:, :, passive], rest)))
+    off = np.abs(_by(linear.inverse, values.T + _by(linear.middle[:, :, passive], rest)))
     sizes = sizes.T + _by(linear.radius[:, :, passive], np.abs(rest))
     return linear.bounded((off + _by(np.abs(linear.inverse), sizes))[:, :, None])[:, :, 0]
 
 
 def _cached(matrices: np.ndarray) -> list[slice]:
     """Parts of matrices (K, r, c) that fit into the processor's cache with their results."""
-    return (
-        blocks_of(len(matrices), max(PROOF.cached // max(matrices[0].nbytes, 1), 1)) if len(matrices) else []
-    )
+    each = max(matrices[0].nbytes, 1) if len(matrices) else 1
+    return blocks_of(len(matrices), max(PROOF.cached // each, 1))
 
 
 def _by(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:

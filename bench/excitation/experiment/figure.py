@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from bench.basics.figure_style import DPI, STYLE
-from bench.basics.files.atomic import atomic_path
 from bench.basics.joint_units import drive_unit, units_of_gain
 from bench.excitation.experiment.nominal import seen
 from bench.excitation.experiment.plan import ExperimentPlan
@@ -60,7 +59,5 @@ def _limits(axes: Axes, values: tuple[float, float]) -> None:
 
 
 def write_plan_figure(path: Path, plan: ExperimentPlan) -> None:
-    """Write `plan_figure` as a picture, whole or not at all."""
-    figure = plan_figure(plan)
-    with atomic_path(path) as partial:
-        figure.savefig(partial)
+    """Write `plan_figure` as a picture into a folder that `write_plan` completes."""
+    plan_figure(plan).savefig(path)

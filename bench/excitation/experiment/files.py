@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.basics.errors import BenchError
-from bench.basics.files.atomic import whole_folder, write_json_atomically, write_text_atomically
+from bench.basics.files.atomic import write_json_atomically, write_text_atomically
 from bench.basics.files.toml_output import toml_header, toml_line
 from bench.basics.plain_data import finite
 from bench.basics.sentence import in_percent
@@ -16,7 +15,7 @@ from bench.dataset.catalogue import built_in_robots
 from bench.dataset.payload import Payload
 from bench.dataset.recording import write_table
 from bench.excitation.bounds import FORECAST
-from bench.excitation.discrimination.files import trajectory_table
+from bench.excitation.discrimination.files import trajectory_table, written_whole
 from bench.excitation.experiment.between_samples import extremes
 from bench.excitation.experiment.forecast import Forecast
 from bench.excitation.experiment.plan import ExperimentPlan
@@ -32,6 +31,7 @@ ANSWER, SCENARIO, SUMMARY, PICTURE, VIEW = (
     "motions.rrd",
 )
 
+MARKS = (ANSWER, SCENARIO)  # without which a folder is not one of a plan
 Draw = Callable[[Path, ExperimentPlan], None]
 
 
@@ -47,8 +47,8 @@ def write_plan(
     drawn: writers of pictures and recordings by file name. drive: of the scenario. Raises BenchError if the folder has
     other content, or cannot be written.
     """
-    check_folder(folder)
-    with whole_folder(folder) as partial:
+
+    def write(partial: Path) -> None:
         for recording in plan.recordings:
             table = trajectory_table(recording.trajectory, list(plan.robot.joints), plan.nominal.noise.rate)
             write_table(partial / f"{recording.name}.csv", table)
@@ -60,16 +60,8 @@ def write_plan(
             draw(partial / file, plan)
         write_text_atomically(partial / SUMMARY, _readme(plan, forecast, tuple(drawn)))
         write_json_atomically(partial / ANSWER, plan_json(plan, forecast))
-        names = sorted(path.name for path in partial.iterdir())
-    return [Path(folder) / name for name in names]
 
-
-def check_folder(folder: str | Path) -> None:
-    """Raise BenchError if the folder has content that `write_plan` did not write."""
-    target = Path(folder)
-    empty = not target.exists() or (target.is_dir() and not any(target.iterdir()))
-    if not empty and not ((target / ANSWER).is_file() and (target / SCENARIO).is_file()):
-        raise BenchError(f"{folder}: is there already and holds something else: name another folder")
+    return written_whole(folder, MARKS, write)
 
 
 def plan_json(plan: ExperimentPlan, forecast: Forecast) -> dict[str, Any]:
@@ -98,19 +90,16 @@ def plan_json(plan: ExperimentPlan, forecast: Forecast) -> dict[str, Any]:
         ],
         "undetermined": [list(names) for names in forecast.together],
         "gain_accuracy": None
-        if forecast.enough is None
+        if (enough := forecast.enough) is None
         else {
-            "asked": forecast.enough.accuracy,
-            "expected": forecast.enough.expected,
-            "seconds": forecast.enough.seconds,
-            "mass": forecast.enough.mass,
+            "asked": enough.accuracy,
+            **{key: getattr(enough, key) for key in ("expected", "seconds", "mass")},
         },
         "assumed": list(plan.room.assumed),
         "reach": {recording.name: _limits(plan, recording.trajectory) for recording in plan.recordings},
         "proofs": {
             recording.name: {
-                "intervals": recording.proven.proof.intervals,
-                "shortest": recording.proven.proof.shortest,
+                **asdict(recording.proven.proof),
                 "given_way": [asdict(unproven) for unproven in recording.proven.given_way],
             }
             for recording in plan.recordings
@@ -202,9 +191,8 @@ def _sensors(plan: ExperimentPlan) -> list[str]:
 
 def _payload(payload: Payload) -> list[str]:
     """The declaration of a payload; if its centre is unknown, the simulated one is a point at the tool."""
-    known: dict[str, float | list[float]] = {} if payload.mass is None else {"mass": float(payload.mass)}
-    if payload.center_of_mass is not None:
-        known["center_of_mass"] = payload.center_of_mass.tolist()
+    known = {key: getattr(payload, key) for key in ("mass", "center_of_mass")}
+    known = {key: np.array(value).tolist() for key, value in known.items() if value is not None}
     lines = [toml_line(key, value) for key, value in known.items()]
     if payload.inertia is not None:
         lines.append(toml_line("inertia", payload.inertia.tolist()))

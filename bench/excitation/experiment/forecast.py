@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from enum import Enum, auto
 
 import numpy as np
 
@@ -18,7 +17,6 @@ from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.planned_log import PlannedRows, planned_rows, row_evidence
 from bench.excitation.experiment.request import PAYLOAD
 from bench.export.bodies import cad_prior
-from bench.identification.decision import RULE
 from bench.identification.layout import parameter_layout, payload_parameter_names
 from bench.model.regressor import UNITS
 
@@ -58,34 +56,15 @@ class Enough:
     mass: float | None
 
 
-class ForecastCode(Enum):
-    """What limits a forecast; `bench.excitation.experiment.sentences` has the words."""
-
-    NO_SCALE = auto()
-    """No payload of known mass: the gains stay nominal."""
-    UNDETERMINED = auto()
-    """subjects: unknowns not determined, or only together."""
-    WEAK = auto()
-    """subjects: unknowns with standard errors beyond `RULE.loose` of their size."""
-    COARSE_ENCODERS = auto()
-    """The encoders' steps matter."""
-
-
-@dataclass(frozen=True)
-class ForecastNote:
-    """A note on a forecast, by code; subjects: names of unknowns."""
-
-    code: ForecastCode
-    subjects: tuple[str, ...] = ()
-
-
 @dataclass(frozen=True)
 class Forecast:
-    """unknowns in the order of the fit; together: names of unknowns that only change together."""
+    """unknowns in the order of the fit; together: names of unknowns that are not determined, or only together;
+    coarse: whether the encoders' steps matter.
+    """
 
     unknowns: tuple[Expected, ...]
     together: tuple[tuple[str, ...], ...]
-    notes: tuple[ForecastNote, ...]
+    coarse: bool
     enough: Enough | None
 
 
@@ -123,9 +102,7 @@ def forecast(plan: ExperimentPlan, gain_accuracy: float | None = None) -> Foreca
     )
     together = tuple(tuple(unknowns[i].name for i in direction) for direction in result.directions)
     enough = None if gain_accuracy is None else enough_for(plan, rows, gain_accuracy)
-    coarse = [ForecastNote(ForecastCode.COARSE_ENCODERS)] if stepped else []
-    notes = [*_notes(plan, unknowns, together), *coarse]
-    return Forecast(unknowns, together, tuple(notes), enough)
+    return Forecast(unknowns, together, stepped, enough)
 
 
 def described(nominal: Nominal) -> Iterator[Expected]:
@@ -147,18 +124,6 @@ def described(nominal: Nominal) -> Iterator[Expected]:
     if nominal.gains_fitted:
         for actuator in robot.actuators:
             yield Expected(actuator.joint, "gain", actuator.gain_unit, actuator.gain, None, 1.0)
-
-
-def _notes(
-    plan: ExperimentPlan, unknowns: tuple[Expected, ...], together: tuple[tuple[str, ...], ...]
-) -> Iterator[ForecastNote]:
-    if not plan.nominal.gains_fitted:
-        yield ForecastNote(ForecastCode.NO_SCALE)
-    yield from (ForecastNote(ForecastCode.UNDETERMINED, names) for names in together)
-    aimed = [unknowns[i] for i in plan.targets]
-    weak = tuple(entry.name for entry in aimed if RULE.loose < entry.relative < float("inf"))
-    if weak:
-        yield ForecastNote(ForecastCode.WEAK, weak)
 
 
 def gain_error(plan: ExperimentPlan, rows: Sequence[PlannedRows], mass: float | None) -> float:
@@ -185,8 +150,7 @@ def enough_for(plan: ExperimentPlan, rows: Sequence[PlannedRows], accuracy: floa
     robot = plan.robot
     if robot.tool_site is None:
         raise BenchError(f"gain accuracy: the robot {robot.name!r} has no [tool] site to fix a payload at")
-    expected = None
-    seconds = None
+    expected, seconds = None, None
     planned = plan.nominal.payloads.get(PAYLOAD)
     duration = plan.search.shape.duration
     if planned is not None:

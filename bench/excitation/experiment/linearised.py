@@ -4,12 +4,13 @@ At every sample, positions, velocities and accelerations of every motor are pert
 The effect of a coefficient is a combination of these, since the series is linear in it.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from bench.basics.mapper import IN_TURN, Mapper
 from bench.excitation.bounds import LIMITS, SEARCH
@@ -137,35 +138,24 @@ def _perturbed(search: Search, tried: Tried, load: str | None) -> _Perturbed:
     for j in range(n):
         moved_states[0][j * count : (j + 1) * count, j] += steps[0, j]
     moved_motions = motion_near(geometry, tried.motion.at(every), *moved_states)
-    faster = [states[1] + step for step in np.diag(steps[1])]
-    whole = joined(
-        (
-            moved_motions,
-            *at_speeds(geometry, tried.motion, faster, states[2]),
-            *(_accelerated(tried.motion, j, steps[2, j]) for j in range(n)),
-        )
+    faster = at_speeds(geometry, tried.motion, [states[1] + step for step in np.diag(steps[1])], states[2])
+    accelerated = (
+        replace(tried.motion, a=tried.motion.a + steps[2, j] * tried.motion.jacobian[:, :, j])
+        for j in range(n)
     )
+    whole = joined((moved_motions, *faster, *accelerated))
     each = seen_each(search.nominal, whole, count, load)
     showing = [each[order * n : (order + 1) * n] for order in range(3)]
     shown = seen(search.nominal, tried.motion, load)
     return _Perturbed(tried.motion, shown, moved_motions, showing, steps)
 
 
-def _accelerated(motion: Motion, j: int, step: float) -> Motion:
-    """The motion with another acceleration of a motor at all samples, but the same velocities."""
-    return replace(motion, a=motion.a + step * motion.jacobian[:, :, j])
-
-
 def _basis(trajectory: FourierTrajectory, times: np.ndarray) -> np.ndarray:
     """Position, velocity and acceleration of unit coefficients: (3, N, 2, H)."""
     harmonics = trajectory.harmonics
     identity, none = np.eye(harmonics), np.zeros((harmonics, harmonics))
-    series = replace(
-        trajectory,
-        center=np.zeros(2 * harmonics),
-        a=np.vstack((identity, none)),
-        b=np.vstack((none, identity)),
-    )
+    a, b = np.vstack((identity, none)), np.vstack((none, identity))
+    series = replace(trajectory, center=np.zeros(2 * harmonics), a=a, b=b)
     return np.array(series.evaluate(times)).reshape(3, len(times), 2, harmonics)
 
 
@@ -255,10 +245,9 @@ def _limits(search: Search, tried: Tried, probe: _Perturbed, basis: np.ndarray, 
     """All limits of one motion that are near, each as a share."""
     room = search.room
     parts = [_of_motors(room, tried.trajectory, search.shape.times, sizes)]
-    for values in _whole_robot(search, probe):
-        at, slopes = values.values, values.slopes  # (m,), (m, n) by positions
-        by_coefficient = np.einsum("mj,mwk,wjk->mwjk", slopes, basis[0][values.samples], sizes)
-        parts.append(Linear(at, by_coefficient.reshape(len(at), sizes.size)))
+    for samples, shares in _whole_robot(search, probe):
+        by_coefficient = np.einsum("mj,mwk,wjk->mwjk", shares.slopes, basis[0][samples], sizes)
+        parts.append(Linear(shares.values, by_coefficient.reshape(len(samples), sizes.size)))
     if np.isfinite(room.torque).any():
         parts.append(_of_torques(search, probe, basis, sizes))
     parts.append(_of_bands(search, tried.trajectory, probe, basis, sizes))
@@ -288,29 +277,21 @@ def _of_motors(room: Room, trajectory: FourierTrajectory, times: np.ndarray, siz
     return Linear(np.concatenate(values), np.vstack(slopes))
 
 
-@dataclass(frozen=True)
-class _OfPoses:
-    """Shares (m,) of a limit at some of the samples, and their derivatives (m, n) by the positions there."""
-
-    samples: np.ndarray
-    values: np.ndarray
-    slopes: np.ndarray
-
-
-def _whole_robot(search: Search, probe: _Perturbed) -> list[_OfPoses]:
-    """Loop amplification, singular values and boxes."""
+def _whole_robot(search: Search, probe: _Perturbed) -> Iterator[tuple[np.ndarray, Linear]]:
+    """Loop amplification, singular values and boxes: shares (m,) of a limit at some of the samples (m,), and their
+    derivatives (m, n) by the positions there.
+    """
     geometry, room = search.nominal.model.geometry, search.room
-    limits = []
 
     def of(
         values: Callable[[Motion, np.ndarray], np.ndarray], samples: np.ndarray, whole: np.ndarray
-    ) -> None:
+    ) -> Iterator[tuple[np.ndarray, Linear]]:
         """The values that are near their limit, `whole` at some samples."""
         near, present = samples[whole > SEARCH.near], whole[whole > SEARCH.near]
         if len(near):
             moved_values = values(probe.moved_at(near), np.tile(near, len(room.home)))
             slopes = (moved_values.reshape(-1, len(near)) - present) / probe.steps[0][:, None]
-            limits.append(_OfPoses(near, present, slopes.T))
+            yield near, Linear(present, slopes.T)
 
     every = np.arange(len(probe.motion.time))
     if geometry.closed:
@@ -327,12 +308,11 @@ def _whole_robot(search: Search, probe: _Perturbed) -> list[_OfPoses]:
             return np.asarray(signs[samples] * entries / room.joint.amplification)
 
         worst, held = least_held(geometry, probe.motion.q, LIMITS.poses)
-        of(not_held, worst, room.joint.held / held)
-        of(amplified, every, amplified(probe.motion, every))
+        yield from of(not_held, worst, room.joint.held / held)
+        yield from of(amplified, every, amplified(probe.motion, every))
     for box in room.boxes:
         out_of = partial(_out_of, geometry, box)
-        of(out_of, every, out_of(probe.motion, every))
-    return limits
+        yield from of(out_of, every, out_of(probe.motion, every))
 
 
 def _out_of(geometry: Geometry, box: Box, motion: Motion, _: np.ndarray) -> np.ndarray:
@@ -350,12 +330,10 @@ def _of_torques(search: Search, probe: _Perturbed, basis: np.ndarray, sizes: np.
         near = np.flatnonzero(np.abs(present[:, i]) > SEARCH.near)
         sign = np.sign(present[near, i])
         slope = np.zeros((len(near), *sizes.shape))
-        for order in range(3):
-            for j in range(sizes.shape[1]):
-                change = (probe.showing[order][j].current[near, i] - probe.shown.current[near, i]) * scale[i]
-                slope[:, :, j] += (
-                    (sign * change / probe.steps[order, j])[:, None, None] * basis[order][near] * sizes[:, j]
-                )
+        for order, j in np.ndindex(3, sizes.shape[1]):
+            change = (probe.showing[order][j].current[near, i] - probe.shown.current[near, i]) * scale[i]
+            rate = sign * change / probe.steps[order, j]
+            slope[:, :, j] += rate[:, None, None] * basis[order][near] * sizes[:, j]
         values.append(np.abs(present[near, i]))
         slopes.append(slope.reshape(len(near), sizes.size))
     return Linear(np.concatenate(values), np.vstack(slopes))
@@ -375,20 +353,14 @@ def _of_bands(
     )
     of_logarithm -= of_logarithm.mean(axis=0)  # of currents about their mean
     slopes = np.zeros((len(near), *sizes.shape))
-    for order in range(3):
-        for j in range(sizes.shape[1]):
-            weights = (
-                of_logarithm * (probe.showing[order][j].current[:, near] - present) / probe.steps[order, j]
-            )
-            slopes[:, :, j] += np.einsum("tm,twk->mwk", weights, basis[order]) * sizes[:, j]
+    for order, j in np.ndindex(3, sizes.shape[1]):
+        change = probe.showing[order][j].current[:, near] - present
+        weights = of_logarithm * change / probe.steps[order, j]
+        slopes[:, :, j] += np.einsum("tm,twk->mwk", weights, basis[order]) * sizes[:, j]
     return Linear(values[near], slopes.reshape(len(near), sizes.size) * values[near, None])
 
 
 def _concatenated(parts: list[Linear]) -> Linear:
     """The limits of all motions, each by its coefficients."""
-    widths = [part.slopes.shape[1] for part in parts]
-    slopes, at = [], 0
-    for part, width in zip(parts, widths, strict=True):
-        slopes.append(np.pad(part.slopes, ((0, 0), (at, sum(widths) - at - width))))
-        at += width
-    return Linear(np.concatenate([part.values for part in parts]), np.vstack(slopes))
+    slopes = block_diag(*(part.slopes for part in parts))
+    return Linear(np.concatenate([part.values for part in parts]), slopes)

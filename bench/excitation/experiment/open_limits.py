@@ -5,17 +5,15 @@ from enum import StrEnum
 
 import numpy as np
 
-from bench.basics.errors import BenchError
 from bench.excitation.bounds import PROOF
 from bench.excitation.experiment.enclosed_loops import Enclosure
 from bench.excitation.experiment.enclosed_torques import enclosed_torques
 from bench.excitation.experiment.nominal import Nominal
 from bench.excitation.experiment.request import Box
-from bench.excitation.experiment.room import Room
+from bench.excitation.experiment.room import Room, tool_point
 from bench.excitation.limits import passive_room
 from bench.model.balls import balls, dense_balls
 from bench.model.geometry import Geometry
-from bench.model.kinematics import ancestors, end_of, end_point, frames_of, link_of
 from bench.model.mobility import column_scales
 from bench.model.nodes import robot_length
 
@@ -59,10 +57,8 @@ def margins(nominal: Nominal, room: Room, payload: str | None, enclosure: Enclos
     if room.boxes:
         points, radii = _tool(geometry, enclosure)
         for i, box in enumerate(room.boxes):
-            by_limit[Kept.WORKSPACE, str(i)] = Margin(
-                _clear(box, points, np.zeros_like(points)),
-                _clear(box, points, radii),
-            )
+            middle, least = (_clear(box, points, radius) for radius in (np.zeros_like(points), radii))
+            by_limit[Kept.WORKSPACE, str(i)] = Margin(middle, least)
     limited = np.flatnonzero(np.isfinite(room.torque))
     if len(limited):
         middle, largest = enclosed_torques(nominal, payload, enclosure)
@@ -86,26 +82,26 @@ def _singular(geometry: Geometry, least: float, enclosure: Enclosure) -> Margin:
 
     See `scaled_jacobians`; if a row is scaled by its largest entry, both vary.
     """
-    passive = geometry.passive
-    sizes = np.ones((len(enclosure.rows), enclosure.rows.shape[1]))  # that rows are divided by
+    passive, linear = geometry.passive, enclosure.linear
+    sizes = np.ones(linear.middle.shape[:2])  # that rows are divided by
     row = 0
     for loop in geometry.loops:
         sizes[:, row : row + 3] = robot_length(geometry)
         row += loop.size
     gears = slice(row, row + len(geometry.couplings))
     scales = column_scales(geometry)
-    sizes[:, gears] = np.abs(enclosure.rows[:, gears] * scales).max(axis=2, initial=0.0)
-    middle = enclosure.rows[:, :, passive] * scales[passive] / sizes[:, :, None]
-    radius = enclosure.hold[:, :, passive] * scales[passive] / sizes[:, :, None]
-    strays = (enclosure.hold[:, gears] * scales).max(axis=2, initial=0.0) / sizes[:, gears]
+    sizes[:, gears] = np.abs(linear.middle[:, gears] * scales).max(axis=2, initial=0.0)
+    middle = linear.middle[:, :, passive] * scales[passive] / sizes[:, :, None]
+    radius = linear.radius[:, :, passive] * scales[passive] / sizes[:, :, None]
+    strays = (linear.radius[:, gears] * scales).max(axis=2, initial=0.0) / sizes[:, gears]
     radius[:, gears] = np.where(
         strays[:, :, None] < 1.0,
         (radius[:, gears] + np.abs(middle[:, gears]) * strays[:, :, None]) / (1.0 - strays[:, :, None]),
         np.inf,
     )
     straying = np.linalg.norm(radius, axis=(1, 2)) * (1.0 + PROOF.rounding)
-    inverse = enclosure.inverse / scales[passive, None] * sizes[:, None, :]
-    off = np.linalg.norm(enclosure.rounding / scales[passive], axis=1)
+    inverse = linear.inverse / scales[passive, None] * sizes[:, None, :]
+    off = np.linalg.norm(linear.rounding / scales[passive], axis=1)
     values = (1.0 - off) / np.linalg.norm(inverse, axis=(1, 2))
     open_still = ~(values * (1.0 - PROOF.rounding) - straying > least)
     values[open_still] = np.linalg.svd(middle[open_still], compute_uv=False)[:, -1]
@@ -114,12 +110,8 @@ def _singular(geometry: Geometry, least: float, enclosure: Enclosure) -> Margin:
 
 def _tool(geometry: Geometry, enclosure: Enclosure) -> tuple[np.ndarray, np.ndarray]:
     """Tool positions in the middles, (K, 3) m, and their radii along each axis."""
-    if geometry.tool is None:
-        raise BenchError(f"robot {geometry.robot.name}: there is no [tool] site")
-    links = tuple(link_of(i, geometry.joints[i]) for i in ancestors(geometry, geometry.tool.joint))
-    q = balls(enclosure.motion.q.T, enclosure.q.T)
-    frames = frames_of(links, q)
-    middle, radius = dense_balls(end_point(frames, end_of(geometry.tool)), len(enclosure.motion.time))
+    point = tool_point(geometry, balls(enclosure.motion.q.T, enclosure.q.T))
+    middle, radius = dense_balls(point, len(enclosure.motion.time))
     return middle.T, radius.T
 
 

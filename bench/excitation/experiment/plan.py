@@ -36,8 +36,6 @@ from bench.excitation.experiment.search import (
     check_proven_at_home,
     check_standing,
     random_candidates,
-    random_checks,
-    random_values,
 )
 from bench.export.bodies import cad_prior
 from bench.identification.finding import Finding
@@ -115,24 +113,22 @@ class ExperimentPlan:
     @property
     def recordings(self) -> tuple[PlannedRecording, ...]:
         """All recordings to make, those to fit first."""
-        fitted = [
-            PlannedRecording(name, "identify", load, proof)
-            for name, load, proof in zip(self.names, self.search.loads, self.proofs, strict=True)
-        ]
-        held_out = [
-            PlannedRecording(f"{name}_check", "validate", load, proof)
-            for name, load, proof in zip(self.names, self.search.loads, self.checks, strict=True)
-        ]
-        return (*fitted, *held_out)
+        uses: tuple[tuple[Use, str, tuple[Proven, ...]], ...] = (
+            ("identify", "", self.proofs),
+            ("validate", "_check", self.checks),
+        )
+        return tuple(
+            PlannedRecording(f"{name}{suffix}", use, load, proof)
+            for use, suffix, proofs in uses
+            for name, load, proof in zip(self.names, self.search.loads, proofs, strict=True)
+        )
 
 
 @dataclass(frozen=True)
 class Started:
-    """A search with its sizes, its targets, and starting motions: random, and with few harmonics."""
+    """A search, and starting motions: random, and with few harmonics."""
 
     search: Search
-    sizes: np.ndarray
-    targets: np.ndarray
     random: list[Candidate]
     sparse: list[Candidate]
 
@@ -149,7 +145,8 @@ def nominal_machine(
     payload = asked_payload(robot, table.payload)
     payloads: dict[str, Payload] = {} if payload is None else {PAYLOAD: payload}
     scale = _open_scale(model, payloads)
-    effects = _effects(model, requests, catalogue, tuple(payloads))
+    effects = select_effects(requests, places_in(model.geometry, tuple(payloads)), catalogue)
+    check_linear(effects)
     prior = cad_prior(model.geometry)
     count = sum(len(instance.effect.parameters) for instance in effects)
     layout = parameter_layout(model, payloads, [None, *payloads], count)
@@ -181,28 +178,15 @@ def _open_scale(model: IdentificationModel, payloads: Mapping[str, Payload]) -> 
 def noise_of(robot: Robot, table: ExperimentTable) -> Noise:
     """The expected noise of the log."""
     sensors, joints = table.sensors, robot.joints
-    current = (
-        None
-        if sensors.current_noise is None
-        else joint_values("sensors.current_noise", sensors.current_noise, joints)
-    )
-    if current is not None and np.any(current <= 0.0):
-        raise BenchError(
-            "sensors.current_noise: must be greater than 0: without noise nothing has a standard error"
-        )
+    current = None
+    if sensors.current_noise is not None:
+        current = joint_values("sensors.current_noise", sensors.current_noise, joints)
+        if np.any(current <= 0.0):
+            raise BenchError(
+                "sensors.current_noise: must be greater than 0: without noise nothing has a standard error"
+            )
     encoder = joint_values("sensors.encoder_resolution", sensors.encoder_resolution, joints)
     return Noise(current, sensors.current_noise_ratio, encoder, table.rate)
-
-
-def _effects(
-    model: IdentificationModel,
-    requests: Sequence[str],
-    catalogue: Mapping[str, Effect],
-    payloads: tuple[str, ...],
-) -> tuple[EffectInstance, ...]:
-    instances = select_effects(requests, places_in(model.geometry, payloads), catalogue)
-    check_linear(instances)
-    return instances
 
 
 def check_linear(effects: Sequence[EffectInstance]) -> None:
@@ -248,10 +232,13 @@ def searched(
     progress.phase("improving the best motions", aim.steps)
     best = best_near(search, [*begun.random, *begun.sparse], aim.steps, mapper, progress)
     progress.phase("proving that the limits are kept")
-    both = [*best, *random_checks(search, aim.seed, mapper)]
+    # of a few random motions that are independent of those of the search, the most informative, to judge the fit on
+    others = random_candidates(search, SEARCH.validation, aim.seed, stream=2, mapper=mapper)
+    both = [*best, *min(others, key=search.value)]
     proven = all_proven(search, list(zip(both, 2 * search.loads, strict=True)), mapper)
     proofs, checks = proven[: len(best)], proven[len(best) :]
     motions = tuple(proof.tried for proof in proofs)
+    values = sorted(map(search.value, begun.random))
     return ExperimentPlan(
         robot=robot,
         nominal=search.nominal,
@@ -261,11 +248,11 @@ def searched(
         motions=motions,
         proofs=proofs,
         checks=checks,
-        sizes=begun.sizes,
-        targets=begun.targets,
+        sizes=search.errors.sizes,
+        targets=search.errors.targets,
         aim=aim,
         value=search.value(motions),
-        random=random_values(search, begun.random),
+        random={"best": values[0], "median": float(np.median(values))},
     )
 
 
@@ -290,20 +277,12 @@ def started(
     progress.phase("trying motions at random", 2 * SEARCH.random)
     starts = random_candidates(first, SEARCH.random, aim.seed, mapper=mapper, progress=progress)
     sparse = random_candidates(first, SEARCH.random, aim.seed, few=True, mapper=mapper, progress=progress)
-    if sizes is None:
-        sizes = _sizes(nominal, loads, starts)
+    if sizes is None:  # by a few random motions
+        few = [zip(candidate, loads, strict=True) for candidate in starts[: SEARCH.torque_motions]]
+        looked_at = [seen(nominal, trial.motion, load) for candidate in few for trial, load in candidate]
+        sizes = reference_sizes(nominal, looked_at)
     search = Search(nominal, room, shape, loads, known, measure(sizes, targets))
-    return Started(search, sizes, targets, starts, sparse)
-
-
-def _sizes(nominal: Nominal, loads: tuple[str | None, ...], starts: Sequence[Candidate]) -> np.ndarray:
-    """To what standard errors are relative, by a few random motions."""
-    looked_at = [
-        seen(nominal, trial.motion, load)
-        for candidate in starts[: SEARCH.torque_motions]
-        for trial, load in zip(candidate, loads, strict=True)
-    ]
-    return reference_sizes(nominal, looked_at)
+    return Started(search, starts, sparse)
 
 
 def shape_of(room: Room, table: ExperimentTable) -> Shape:
@@ -312,14 +291,13 @@ def shape_of(room: Room, table: ExperimentTable) -> Shape:
     """
     if 2.0 * table.ramp > table.duration:
         raise BenchError(f"duration: {table.duration:g} s is too short for two ramps of {table.ramp:g} s")
-    frequency = lowest = highest = table.base_frequency
-    if frequency is None or lowest is None or highest is None:
+    if table.base_frequency is not None:
+        frequency = lowest = highest = table.base_frequency
+    else:
         top = float(np.median(room.acceleration / room.velocity)) / (2.0 * np.pi)
         frequency = max(top / table.harmonics, 1.0 / table.duration)
-        lowest, highest = (
-            max(frequency / SEARCH.frequency_range, 1.0 / table.duration),
-            SEARCH.frequency_range * frequency,
-        )
+        lowest = max(frequency / SEARCH.frequency_range, 1.0 / table.duration)
+        highest = SEARCH.frequency_range * frequency
     if SEARCH.table_points * highest * table.harmonics > table.rate:
         raise BenchError(
             f"rate: {table.rate:g} Hz is too slow for a motion of up to {highest * table.harmonics:.3g} Hz"

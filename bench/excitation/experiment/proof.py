@@ -1,13 +1,14 @@
 """Proof that all limits are kept at every time, by intervals of time, cut if undecided."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from bench.basics.errors import BenchError
 from bench.excitation.bounds import PROOF
+from bench.excitation.experiment.between_samples import Intervals, intervals_of, motor_balls
 from bench.excitation.experiment.enclosed_loops import PoseSets, begins_at_home, enclosed, follows, pose_sets
-from bench.excitation.experiment.motor_balls import Intervals, intervals_of, motor_balls
 from bench.excitation.experiment.nominal import Nominal
 from bench.excitation.experiment.open_limits import Kept, Limit, margins
 from bench.excitation.experiment.room import Room
@@ -173,24 +174,19 @@ def _followed(geometry: Geometry, known: _Looked) -> _Looked:
     return replace(known, open=still)
 
 
+ARRAYS = ("strays", "reach", "open", "exceeded", "parts")  # of `_Looked`, by interval
+
+
 def _joined(parts: list[_Looked]) -> _Looked:
     """Parts concatenated."""
-    motions = [part.motion for part in parts]
-    motion = joined(motions)
-    intervals = Intervals(
-        np.concatenate([part.intervals.middle for part in parts]),
-        np.concatenate([part.intervals.half for part in parts]),
+    middle, half = (
+        np.concatenate([getattr(part.intervals, name) for part in parts]) for name in ("middle", "half")
     )
-    return _Looked(
-        intervals,
-        motion,
-        np.concatenate([part.strays for part in parts]),
-        np.concatenate([part.reach for part in parts]),
-        parts[0].limits,
-        np.concatenate([part.open for part in parts]),
-        np.concatenate([part.exceeded for part in parts]),
-        np.concatenate([part.parts for part in parts]),
-    )
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS
+    }
+    motion = joined([part.motion for part in parts])
+    return replace(parts[0], intervals=Intervals(middle, half), motion=motion, **arrays)
 
 
 def _merged(known: _Looked, kept: np.ndarray, finer: _Looked) -> _Looked:
@@ -200,16 +196,9 @@ def _merged(known: _Looked, kept: np.ndarray, finer: _Looked) -> _Looked:
 
 
 def _at(known: _Looked, chosen: np.ndarray) -> _Looked:
-    return _Looked(
-        known.intervals.at(chosen),
-        known.motion.at(chosen),
-        known.strays[chosen],
-        known.reach[chosen],
-        known.limits,
-        known.open[chosen],
-        known.exceeded[chosen],
-        known.parts[chosen],
-    )
+    arrays: dict[str, Any] = {name: getattr(known, name)[chosen] for name in ARRAYS}
+    intervals, motion = known.intervals.at(chosen), known.motion.at(chosen)
+    return replace(known, intervals=intervals, motion=motion, **arrays)
 
 
 def _first(geometry: Geometry, known: _Looked) -> Unproven:
@@ -226,5 +215,5 @@ def _first(geometry: Geometry, known: _Looked) -> Unproven:
 def _amplified(geometry: Geometry, motion: Motion, sample: int) -> Unproven:
     """The finding that a joint, the fastest at a sample, moves too fast for the motors' speed there."""
     fastest = int(np.abs(motion.jacobian[sample]).max(axis=1).argmax())
-    where = next(joint.name for joint in geometry.joints if joint.v.start <= fastest < joint.v.stop)
+    where = geometry.joint_at(fastest).name
     return Unproven(Kept.AMPLIFICATION, where, float(motion.time[sample]), exceeded=True)

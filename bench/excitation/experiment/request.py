@@ -1,13 +1,14 @@
 """The user's request for an experiment: limits, payload, sensors, as TOML with a value for all joints or one each."""
 
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, ValidationError
 
 from bench.basics.errors import BenchError, meant
-from bench.basics.files.toml_input import UserTable
+from bench.basics.files.toml_input import UserTable, first_mistake, read_toml
 from bench.basics.joint_units import units_of_gain
 from bench.basics.sentence import and_list
 from bench.dataset.payload import Payload, payload_fault
@@ -83,20 +84,26 @@ def joint_values(key: str, value: float | Mapping[str, float], joints: Sequence[
 
 def assumed_units(key: str, value: float | Mapping[str, float], robot: Robot) -> list[str]:
     """The assumption on speeds or accelerations that one number is in the unit of slides, or of hinges and slides."""
-    turns = [units_of_gain(actuator.gain_unit).rotates for actuator in robot.actuators]
-    if isinstance(value, Mapping) or all(turns):
+    turning, sliding = f"rad/{PER[key]}", f"m/{PER[key]}"
+    units = _units(key, robot).values()
+    if isinstance(value, Mapping) or sliding not in units:
         return []
-    if not any(turns):
-        return [f"{key} {value:g}: m/{PER[key]}"]
-    return [f"{key} {value:g}: rad/{PER[key]} at hinges, m/{PER[key]} at slides"]
+    said = f"{turning} at hinges, {sliding} at slides" if turning in units else sliding
+    return [f"{key} {value:g}: {said}"]
+
+
+def _units(key: str, robot: Robot) -> dict[str, str]:
+    """The unit of speeds or accelerations by joint."""
+    return {
+        actuator.joint: f"{units_of_gain(actuator.gain_unit).position}/{PER[key]}"
+        for actuator in robot.actuators
+    }
 
 
 def with_units(key: str, values: np.ndarray, robot: Robot) -> str:
     """Speeds or accelerations (n,) of the joints with their units: one number if they are alike."""
-    said = {
-        actuator.joint: f"{value:.3g} {units_of_gain(actuator.gain_unit).position}/{PER[key]}"
-        for actuator, value in zip(robot.actuators, values, strict=True)
-    }
+    units = _units(key, robot)
+    said = {joint: f"{value:.3g} {units[joint]}" for joint, value in zip(units, values, strict=True)}
     if len(set(said.values())) == 1:
         return next(iter(said.values()))
     return ", ".join(f"{joint} {text}" for joint, text in said.items())
@@ -104,15 +111,15 @@ def with_units(key: str, values: np.ndarray, robot: Robot) -> str:
 
 def assumed_ranges(robot: Robot, joints: Sequence[str], low: np.ndarray, high: np.ndarray) -> str:
     """The assumed ranges of joints that have none in the MJCF, low and high (n,)."""
-    ranges = []
+    ranges, cures = [], []
     parts = {
         "joint": "`range` at each joint in the MJCF",
         "tendon": "`range` at each tendon in the MJCF",
         "motor": "`position` in the file of --limits",
     }
-    cures = [parts[actuator.drives] for actuator in robot.actuators if actuator.joint in joints]
     for actuator, least, most in zip(robot.actuators, low, high, strict=True):
         if actuator.joint in joints:
+            cures.append(parts[actuator.drives])
             unit = units_of_gain(actuator.gain_unit).position
             ranges.append(f"{actuator.joint} {least:.3g} to {most:.3g} {unit}")
     return f"range: {', '.join(ranges)} (write {and_list(list(dict.fromkeys(cures)))})"
@@ -128,10 +135,7 @@ def by_unit(key: str, given: Sequence[tuple[float, str]], robot: Robot) -> float
     numbers = {unit: value for value, unit in given}
     if set(numbers) == {""}:
         return numbers[""]
-    units = {
-        actuator.joint: f"{units_of_gain(actuator.gain_unit).position}/{PER[key]}"
-        for actuator in robot.actuators
-    }
+    units = _units(key, robot)
     for unit, value in numbers.items():
         if unit not in units.values():
             lacking = next((other for other in units.values() if other not in numbers), "")
@@ -171,3 +175,22 @@ def asked_payload(robot: Robot, table: DeclaredPayload | None) -> Payload | None
     if fault is not None:
         raise BenchError(f"payload.{fault[0]}: {fault[1]}")
     return payload
+
+
+def asked_table(file: Path | None, given: Mapping[str, Any], robot: Robot) -> ExperimentTable:
+    """The file's table, or an empty one, with values of the command line in place of its keys.
+
+    `payload_mass` is the mass of the payload; `velocity` and `acceleration` are pairs of a number and its unit.
+    Raises BenchError in one line.
+    """
+    table = ExperimentTable() if file is None else read_toml(file, ExperimentTable)
+    given = {**given, **{key: by_unit(key, given.get(key, ()), robot) for key in PER}}
+    changes = {key: value for key, value in given.items() if value is not None}
+    mass = changes.pop("payload_mass", None)
+    content = {**table.model_dump(exclude_unset=True), **changes}
+    if mass is not None:
+        content["payload"] = {**(content.get("payload") or {}), "mass": mass}
+    try:
+        return ExperimentTable.model_validate(content)
+    except ValidationError as error:
+        raise BenchError(f"limits: {first_mistake(error)}") from error

@@ -16,12 +16,12 @@ from bench.excitation.experiment.request import (
     joint_values,
     with_units,
 )
-from bench.excitation.limits import Limits, limits_of, passive_room, unlimited
+from bench.excitation.limits import Limits, keeps_clear, limits_of, passive_room, reached_motion
 from bench.model.geometry import Geometry
 from bench.model.kinematics import ancestors, end_of, end_point, frames_of, link_of
-from bench.model.mobility import least_held
 from bench.model.motion import Motion, motion_of
 from bench.model.passive_ranges import passive_ranges
+from bench.model.scalars import Rows, Vector
 from bench.robot_check.bounds import PLAUSIBLE
 from bench.robot_check.home import home_at_range_end
 from bench.robot_check.words import detail_of
@@ -51,7 +51,8 @@ def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
     limits = limits_of(geometry)
     home = geometry.home[geometry.active_configuration] + geometry.active_offset
     low, high = limits.low.copy(), limits.high.copy()
-    without_range = unlimited(geometry)
+    ranges = {name: joint.limits for name, joint in zip(joints, geometry.active_joints, strict=True)}
+    without_range = [name for name, limit in ranges.items() if limit is None]
     for joint, (least, most) in table.position.items():
         check_joint("position", joint, joints)
         j = joints.index(joint)
@@ -71,21 +72,19 @@ def room_of(geometry: Geometry, table: ExperimentTable) -> Room:
     limits = replace(limits, low=low, high=high, amplification=amplification)
     unranged = tuple(joint for joint in without_range if joint not in table.position)
     assumed = [assumed_ranges(geometry.robot, unranged, low, high)] if unranged else []
-    width = high - low
-    if table.velocity is None:
-        velocity = width / LIMITS.crossing
-        numbers = with_units("velocity", velocity, geometry.robot)
-        assumed.append(f"speed: the joint's range in {LIMITS.crossing:g} s ({numbers})")
-    else:
-        velocity = joint_values("velocity", table.velocity, joints)
-        assumed += assumed_units("velocity", table.velocity, geometry.robot)
-    if table.acceleration is None:
-        acceleration = velocity / LIMITS.reaching
-        numbers = with_units("acceleration", acceleration, geometry.robot)
-        assumed.append(f"acceleration: the largest speed within {LIMITS.reaching:g} s ({numbers})")
-    else:
-        acceleration = joint_values("acceleration", table.acceleration, joints)
-        assumed += assumed_units("acceleration", table.acceleration, geometry.robot)
+
+    def rates(key: str, default: np.ndarray, why: str) -> np.ndarray:
+        """The given speeds or accelerations (n,), or else the default ones."""
+        if (given := getattr(table, key)) is None:
+            assumed.append(f"{why} ({with_units(key, default, geometry.robot)})")
+            return default
+        assumed.extend(assumed_units(key, given, geometry.robot))
+        return joint_values(key, given, joints)
+
+    why = f"speed: the joint's range in {LIMITS.crossing:g} s"
+    velocity = rates("velocity", (high - low) / LIMITS.crossing, why)
+    why = f"acceleration: the largest speed within {LIMITS.reaching:g} s"
+    acceleration = rates("acceleration", velocity / LIMITS.reaching, why)
     torque = np.full(len(joints), np.inf)
     if table.torque is not None:
         torque = joint_values("torque", table.torque, joints)
@@ -107,22 +106,16 @@ def _check_home(geometry: Geometry, room: Room) -> None:
             raise BenchError(f"workspace[{i}]: low must be below high along every axis")
     zero = np.zeros((1, len(room.home)))
     at_home = motion_of(geometry, np.zeros(1), room.home[None], zero, zero)
-    if np.abs(at_home.jacobian).max() > room.joint.amplification:
-        largest = float(np.abs(at_home.jacobian).max())
-        raise BenchError(
-            f"amplification: {room.joint.amplification:g} leaves no room, home has {largest:.3g} already"
-        )
+    if (largest := np.abs(at_home.jacobian).max()) > (most := room.joint.amplification):
+        raise BenchError(f"amplification: {most:g} leaves no room, home has {largest:.3g} already")
     for limit in passive_ranges(geometry):
         if not limit.low + PLAUSIBLE.still < limit.at(at_home.q)[0] < limit.high - PLAUSIBLE.still:
             raise _home_refused(geometry, limit.joint)
-    if room.boxes:
+    for i, box in enumerate(room.boxes):
         point = tool_positions(geometry, at_home)
-        for i, box in enumerate(room.boxes):
-            if outside(box, point)[0] >= 0.0:
-                place = ", ".join(f"{x:.3g}" for x in point[0])
-                raise BenchError(
-                    f"workspace[{i}]: the tool is at {place} m at home, which that does not allow"
-                )
+        if outside(box, point)[0] >= 0.0:
+            place = ", ".join(f"{x:.3g}" for x in point[0])
+            raise BenchError(f"workspace[{i}]: the tool is at {place} m at home, which that does not allow")
 
 
 def _home_refused(geometry: Geometry, joint: str) -> BenchError:
@@ -137,11 +130,16 @@ def _home_refused(geometry: Geometry, joint: str) -> BenchError:
 
 def tool_positions(geometry: Geometry, motion: Motion) -> np.ndarray:
     """Tool positions along a motion, (N, 3) m."""
+    point = tool_point(geometry, np.ascontiguousarray(motion.q.T))
+    return np.stack([np.broadcast_to(x, len(motion.time)) for x in point], axis=1)
+
+
+def tool_point(geometry: Geometry, q: Rows) -> Vector:
+    """The tool's position, m, at configurations q (nq,) of numbers, arrays or balls."""
     if geometry.tool is None:
         raise BenchError(f"robot {geometry.robot.name}: there is no [tool] site")
     links = tuple(link_of(i, geometry.joints[i]) for i in ancestors(geometry, geometry.tool.joint))
-    point = end_point(frames_of(links, np.ascontiguousarray(motion.q.T)), end_of(geometry.tool))
-    return np.stack([np.broadcast_to(x, len(motion.time)) for x in point], axis=1)
+    return end_point(frames_of(links, q), end_of(geometry.tool))
 
 
 def outside(box: Box, points: np.ndarray) -> np.ndarray:
@@ -165,7 +163,7 @@ def filled(room: Room, trajectory: FourierTrajectory, *, grow: bool = False) -> 
     )
     shares = np.where(shares > 0.0, shares, 1.0)
     scale = 1.0 / (shares if grow else np.maximum(shares, 1.0))
-    return replace(trajectory, a=trajectory.a * scale[:, None], b=trajectory.b * scale[:, None])
+    return trajectory.scaled(scale[:, None])
 
 
 def keeps_joints(room: Room, trajectory: FourierTrajectory) -> bool:
@@ -173,12 +171,9 @@ def keeps_joints(room: Room, trajectory: FourierTrajectory) -> bool:
     reach = extremes(trajectory)
     slack = 1.0 + 1e-9
     width = 1e-9 * (room.joint.high - room.joint.low)
-    return bool(
-        np.all(reach.low >= room.joint.low - width)
-        and np.all(reach.high <= room.joint.high + width)
-        and np.all(reach.velocity <= room.velocity * slack)
-        and np.all(reach.acceleration <= room.acceleration * slack)
-    )
+    within = (reach.low >= room.joint.low - width) & (reach.high <= room.joint.high + width)
+    slow = (reach.velocity <= room.velocity * slack) & (reach.acceleration <= room.acceleration * slack)
+    return bool(np.all(within & slow))
 
 
 def robot_motion(
@@ -192,18 +187,9 @@ def robot_motion(
     """The motion of the whole robot if, at these times, loops close and it keeps off singular poses, passive stops and
     boxes; or None.
     """
-    position, velocity, acceleration = trajectory.evaluate(time)
-    try:
-        most = room.joint.amplification
-        motion = motion_of(geometry, time, position, velocity, acceleration, near=near, most=most)
-    except BenchError:  # out of reach, or through a singular pose
+    motion = reached_motion(geometry, room.joint.amplification, time, trajectory.evaluate(time), near)
+    if motion is None or not keeps_clear(geometry, room.joint, motion):
         return None
-    if geometry.closed:
-        if np.abs(motion.jacobian).max() > room.joint.amplification:
-            return None
-        _, held = least_held(geometry, motion.q, LIMITS.poses)
-        if held.min() <= room.joint.held:
-            return None
     for limit in passive_room(geometry):
         at = limit.at(motion.q)
         if at.min() <= limit.low or at.max() >= limit.high:

@@ -1,6 +1,6 @@
 """Search for the motions that minimise standard errors, inside all limits."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -94,7 +94,7 @@ class Search:
             if kept is not None:
                 return kept
             near = motion
-            trajectory = scaled(trajectory, DESIGN.shrink)
+            trajectory = trajectory.scaled(DESIGN.shrink)
         return None
 
     def _motion(self, trajectory: FourierTrajectory, near: Motion | None) -> Motion | None:
@@ -139,18 +139,17 @@ def check_proven_at_home(search: Search) -> None:
     for load in search.loads:
         proof = prove(Promise(search.nominal, search.room, standing, load))
         if isinstance(proof, Unproven):
-            robot, kept = search.nominal.model.geometry.robot.name, refused(replace(proof, time=None))
-            raise BenchError(f"robot {robot}: of no motion from home it could be proven that it keeps {kept}")
+            raise _none_proven(search, refused(replace(proof, time=None)))
+
+
+def _none_proven(search: Search, kept: str) -> BenchError:
+    robot = search.nominal.model.geometry.robot.name
+    return BenchError(f"robot {robot}: of no motion from home it could be proven that it keeps {kept}")
 
 
 def largest_of(errors: Errors, fit: Equations) -> float:
     """The criterion of a fit."""
     return float(np.exp(errors(fit).max()))
-
-
-def scaled(trajectory: FourierTrajectory, factor: float) -> FourierTrajectory:
-    """The motion about home times a factor."""
-    return replace(trajectory, a=trajectory.a * factor, b=trajectory.b * factor)
 
 
 @dataclass(frozen=True)
@@ -207,7 +206,9 @@ def _drawn(search: Search, frequency: float, few: bool, random: np.random.Genera
         duration=shape.duration,
         ramp=shape.ramp,
     )
-    return _with_few(drawn, random) if few else drawn
+    if few:
+        drawn = drawn.scaled(random.random(drawn.a.shape).argsort(axis=1) < SEARCH.sparse_harmonics)
+    return drawn
 
 
 def _largest(search: Search, drawn: _Drawn) -> Candidate:
@@ -224,26 +225,17 @@ def _largest(search: Search, drawn: _Drawn) -> Candidate:
                 break
             trajectory = _drawn(search, first.base_frequency, drawn.few, random)
         else:
-            raise _no_room(search, scaled(full, DESIGN.shrink ** (SEARCH.shrinks - 1)), load)
+            raise _no_room(search, full.scaled(DESIGN.shrink ** (SEARCH.shrinks - 1)), load)
     return tuple(motions)
 
 
 def _no_room(search: Search, smallest: FourierTrajectory, load: str | None) -> BenchError:
     """Message if no motion keeps the limits: the limit that the smallest one violates."""
+    said = "no motion from home keeps all limits, however small: they leave no room"
     proof = prove(Promise(search.nominal, search.room, smallest, load))
-    which = (
-        f"; the smallest that was tried does not keep {refused(proof)}" if isinstance(proof, Unproven) else ""
-    )
-    robot = search.nominal.model.geometry.robot.name
-    return BenchError(
-        f"robot {robot}: no motion from home keeps all limits, however small: they leave no room{which}"
-    )
-
-
-def _with_few(trajectory: FourierTrajectory, random: np.random.Generator) -> FourierTrajectory:
-    """The same with few harmonics for each joint."""
-    kept = random.random(trajectory.a.shape).argsort(axis=1) < SEARCH.sparse_harmonics
-    return replace(trajectory, a=trajectory.a * kept, b=trajectory.b * kept)
+    if isinstance(proof, Unproven):
+        said += f"; the smallest that was tried does not keep {refused(proof)}"
+    return BenchError(f"robot {search.nominal.model.geometry.robot.name}: {said}")
 
 
 @dataclass(frozen=True)
@@ -279,10 +271,8 @@ def _proven(search: Search, motion: tuple[Tried, str | None]) -> Proven:
             if kept is not None and keeps_joints(search.room, trajectory):
                 return Proven(kept, proof, tuple(given_way))
         less = less if attempt < SEARCH.small_shrinks else min(2.0 * less, 1.0 - DESIGN.shrink)
-        trajectory = scaled(trajectory, 1.0 - less)
-    robot = search.nominal.model.geometry.robot.name
-    what = refused(given_way[-1]) if given_way else "all limits"
-    raise BenchError(f"robot {robot}: of no motion from home it could be proven that it keeps {what}")
+        trajectory = trajectory.scaled(1.0 - less)
+    raise _none_proven(search, refused(given_way[-1]) if given_way else "all limits")
 
 
 def proven_near(promise: Promise, failed: float | None) -> Proof | Unproven:
@@ -292,16 +282,3 @@ def proven_near(promise: Promise, failed: float | None) -> Proof | Unproven:
     if failed is not None and isinstance(there := prove(promise, around=failed), Unproven):
         return there
     return prove(promise)
-
-
-def random_checks(search: Search, seed: int, mapper: Mapper = IN_TURN) -> Candidate:
-    """Random motions to judge a fit on, one for each payload: the most informative of a few that are independent of
-    those of the search.
-    """
-    return min(random_candidates(search, SEARCH.validation, seed, stream=2, mapper=mapper), key=search.value)
-
-
-def random_values(search: Search, candidates: Sequence[Candidate]) -> Mapping[str, float]:
-    """The criterion of random motions: best and median."""
-    values = sorted(search.value(candidate) for candidate in candidates)
-    return {"best": values[0], "median": float(np.median(values))}

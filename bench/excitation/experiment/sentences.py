@@ -1,10 +1,12 @@
 """A plan in sentences."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from bench.basics.sentence import and_list, in_percent
+from bench.basics.sentence import and_list, capital, in_percent
 from bench.excitation.bounds import FORECAST, SEARCH
-from bench.excitation.experiment.forecast import Enough, Expected, Forecast, ForecastCode, ForecastNote
+from bench.excitation.experiment.forecast import Enough, Expected, Forecast
 from bench.excitation.experiment.plan import ExperimentPlan
 from bench.excitation.experiment.proof_words import made_smaller
 from bench.identification.decision import RULE
@@ -17,9 +19,7 @@ def sentences(plan: ExperimentPlan, forecast: Forecast) -> list[str]:
     lines = [_doubted(plan), _gains(forecast), _parameters(plan, forecast)]
     lines += _compared(plan, forecast)
     lines.append(_sizes(plan, forecast))
-    for note in forecast.notes:
-        why = plan.nominal.scale if note.code is ForecastCode.NO_SCALE else None
-        lines.append(note_sentence(note) if why is None else scale_sentence(why))
+    lines += limiting(plan, forecast)
     if forecast.enough is not None:
         lines += enough(forecast.enough)
     if plan.room.assumed:
@@ -58,15 +58,12 @@ def _compared(plan: ExperimentPlan, forecast: Forecast) -> list[str]:
         return ["Some of the requested unknowns cannot be determined: motions are compared by the others."]
     if plan.random:
         what = "worst relative standard error" if worst else "mean axis of the error ellipsoid"
-        better = (
-            f"{plan.random['median'] / plan.value:.2g} times better than" if plan.value else "compared with"
-        )
+        median, best = (plan.random[name] for name in ("median", "best"))
+        better = f"{median / plan.value:.2g} times better than" if plan.value else "compared with"
         lines.append(
             f"The {what} of the requested unknowns is {in_percent(expected, 2)}. With all samples, including those "
-            f"near standstill, it is {in_percent(plan.value, 2)}: {better} "
-            f"the median of {SEARCH.random} random motions inside the same limits "
-            f"({in_percent(plan.random['median'], 2)}, "
-            f"the best of them {in_percent(plan.random['best'], 2)})."
+            f"near standstill, it is {in_percent(plan.value, 2)}: {better} the median of {SEARCH.random} random "
+            f"motions inside the same limits ({in_percent(median, 2)}, the best of them {in_percent(best, 2)})."
         )
     if plan.before is not None:
         carried = plan.search.loads[0]
@@ -77,27 +74,32 @@ def _compared(plan: ExperimentPlan, forecast: Forecast) -> list[str]:
     return lines
 
 
-def note_sentence(note: ForecastNote) -> str:
+def limiting(plan: ExperimentPlan, forecast: Forecast) -> Iterator[str]:
     """What limits a forecast."""
-    subjects = note.subjects
-    if note.code is ForecastCode.NO_SCALE:
-        return (
+    if not plan.nominal.gains_fitted:
+        yield (
             "All masses and drive gains scale together: without a payload of known mass the gains stay nominal, and "
             "every parameter inherits their error. Weigh a payload, and plan with it."
+            if plan.nominal.scale is None
+            else scale_sentence(plan.nominal.scale)
         )
-    if note.code is ForecastCode.WEAK:
-        return (
+    for names in forecast.together:
+        if len(names) == 1:
+            yield f"{names[0]} stays undetermined: these motions do not excite it."
+        else:
+            yield f"{and_list(names)} stay undetermined: the motions determine only a combination of them."
+    aimed = [forecast.unknowns[i] for i in plan.targets]
+    weak = [expected.name for expected in aimed if RULE.loose < expected.relative < float("inf")]
+    if weak:
+        yield (
             f"Motions of this kind do not determine these unknowns, whose standard errors exceed "
-            f"{in_percent(RULE.loose, 2)} of their size: {', '.join(subjects)}."
+            f"{in_percent(RULE.loose, 2)} of their size: {', '.join(weak)}."
         )
-    if note.code is ForecastCode.COARSE_ENCODERS:
-        return (
+    if forecast.coarse:
+        yield (
             "The encoder resolution matters: the standard errors are lower bounds, "
             "because quantisation is not white noise and the filters of the fit are then narrower."
         )
-    if len(subjects) == 1:
-        return f"{subjects[0]} stays undetermined: these motions do not excite it."
-    return f"{and_list(subjects)} stay undetermined: the motions determine only a combination of them."
 
 
 def _judged(plan: ExperimentPlan) -> str:
@@ -121,15 +123,15 @@ def _proven(plan: ExperimentPlan) -> str:
         parts.append("the workspace")
     if np.isfinite(room.torque).any():
         parts.append("the limits of currents and torques")
-    kept = and_list(parts)
-    sentence = (
-        f"{kept[0].upper()}{kept[1:]} are proven to be kept at all times, also between the rows of the table."
+    kept = (
+        f"{capital(and_list(parts))} are proven to be kept at all times, also between the rows of the table."
     )
-    for recording in plan.recordings:
-        name, given_way = recording.name, recording.proven.given_way
-        if given_way:
-            sentence += f" {made_smaller(name, given_way[0])}"
-    return sentence
+    smaller = [
+        made_smaller(recording.name, recording.proven.given_way[0])
+        for recording in plan.recordings
+        if recording.proven.given_way
+    ]
+    return " ".join([kept, *smaller])
 
 
 def _noise(plan: ExperimentPlan) -> str:

@@ -12,10 +12,10 @@ from bench.basics.progress import SILENT, Progress
 from bench.basics.quiet import unwarned
 from bench.basics.threads import on_one_thread
 from bench.export.physical import PhysicalSet, with_values
-from bench.export.replay.cause_words import lost_in_words
 from bench.export.replay.causes import Cause, causes_as_data, causes_of
 from bench.export.replay.simulated import Recorded, simulate
 from bench.export.replay.track import AS_EXPORTED
+from bench.export.replay.words import lost_in_words
 from bench.identification.model_file import Comparison, SavedModel, applied
 from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem

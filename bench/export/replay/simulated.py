@@ -15,7 +15,7 @@ from bench.effects.effect import ActuatorEffect
 from bench.export.identified import IdentifiedModel
 from bench.export.mjcf import write_mjcf
 from bench.export.physical import PhysicalSet
-from bench.export.replay.track import FileChange, Lost, Tracked, TrackingReference, track
+from bench.export.replay.track import FileChange, Lost, Tracked, track
 from bench.export.sidecar import sidecar, write_sidecar
 from bench.identification.filtered import Measured
 from bench.identification.observation import all_currents
@@ -23,6 +23,7 @@ from bench.identification.prepare import Prepared
 from bench.identification.result import CurrentSeries, relative_error
 from bench.model.configuration import configuration_rates
 from bench.model.geometry import Geometry, to_mujoco
+from bench.model.motion import Motion
 from bench.robot_check.contacts import GeomPair
 from bench.twin import load_twin
 
@@ -91,50 +92,37 @@ def simulate(recorded: Recorded, change: FileChange, progress: Progress) -> Simu
             write_sidecar(path, sidecar(physical, exported))
             twin = load_twin(path, partial=True)
             left_out = _left_out(identified, twin.left_out)
-            reference = _reference(prepared.model.geometry, measurement)
-            tracked.append(track(twin, identified.gains, reference, change))
+            start = _start(prepared.model.geometry, measurement.tree.at(slice(0, 1)))
+            tracked.append(track(twin, identified.gains, measurement, start, change))
             if tracked[-1].lost is not None:
                 break
-            currents = _currents(identified, measurement, tracked[-1])
-            series.append(replace(modelled, modelled=_at_fit_rate(measurement, currents), by_effect={}))
+            # interpolated at standstill, filtered and decimated as the measured currents are
+            rows = all_currents(replace(measurement, current=_currents(identified, measurement, tracked[-1])))
+            currents = np.asarray(np.diagonal(rows, axis1=1, axis2=2))
+            series.append(replace(modelled, modelled=currents, by_effect={}))
             progress.advance()
     return Simulated(tuple(series), tuple(tracked), left_out)
 
 
-def _reference(geometry: Geometry, measured: Measured) -> TrackingReference:
-    first = measured.tree.at(slice(0, 1))
-    qpos = to_mujoco(geometry.joints, first.q)[0]
-    return TrackingReference(
-        time=measured.time - measured.time[0],
-        position=measured.position,
-        velocity=measured.velocity,
-        acceleration=measured.acceleration,
-        qpos=qpos,
-        qvel=_mujoco_velocity(geometry, first.q, first.v, first.a),
-    )
-
-
-def _mujoco_velocity(geometry: Geometry, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
-    """Velocity (nv,) in MuJoCo's coordinates, in which a free body's linear one is along the world's axes."""
-    velocity = v[0].copy()
-    rates = configuration_rates(geometry, q.T, v.T, a.T)[0]
+def _start(geometry: Geometry, first: Motion) -> tuple[np.ndarray, np.ndarray]:
+    """qpos and qvel at the first sample, in MuJoCo's coordinates."""
+    velocity = first.v[0].copy()
+    rates = configuration_rates(geometry, first.q.T, first.v.T, first.a.T)[0]
     for joint in geometry.joints:
-        if joint.kind == "free":
+        if joint.kind == "free":  # in MuJoCo, its linear velocity is along the world's axes
             velocity[joint.v.start : joint.v.start + 3] = rates[joint.q.start : joint.q.start + 3, 0]
-    return velocity
+    return to_mujoco(geometry.joints, first.q)[0], velocity
 
 
 def _currents(identified: IdentifiedModel, measured: Measured, tracked: Tracked) -> np.ndarray:
     """Currents (N, n) that give these torques, through the effects between them."""
     total = tracked.torque.copy()
     rate = measured.recording.rate
-    joints = list(identified.robot.joints)
-    kinds = {joint.name: joint.kind for joint in identified.model.geometry.joints}
     for fitted_effect in identified.effects_in(measured.recording.log):
         effect = fitted_effect.instance.effect
         if not effect.before_torque or not isinstance(effect, ActuatorEffect):
             continue
-        j = joints.index(fitted_effect.place)
+        j = identified.robot.joints.index(fitted_effect.place)
         needed = tracked.torque[:, j]
         signals = JointSignals(
             time=measured.time - measured.recording.time[0],
@@ -146,7 +134,7 @@ def _currents(identified: IdentifiedModel, measured: Measured, tracked: Tracked)
             speed=float(np.sqrt((measured.velocity[:, j] ** 2).mean())),
             rate=rate,
             band=measured.settings.band(rate),
-            rotates=kinds[fitted_effect.place] != "slide",
+            rotates=identified.model.geometry.active_joints[j].kind != "slide",
             needs=partial(np.asarray, needed),
         )
         total[:, j] += effect.torque(signals) @ np.array(list(fitted_effect.values.values()))
@@ -161,10 +149,3 @@ def _left_out(identified: IdentifiedModel, by_twin: Sequence[str]) -> tuple[str,
         if effect.instance.effect.before_torque and isinstance(effect.instance.effect, ActuatorEffect)
     }
     return tuple(name for name in by_twin if name not in between)
-
-
-def _at_fit_rate(measured: Measured, currents: np.ndarray) -> np.ndarray:
-    """Currents (N, n), interpolated at standstill, filtered and decimated as the measured ones are: (M, n)."""
-    rows = all_currents(replace(measured, current=currents))
-    motors = np.arange(currents.shape[1])
-    return rows[:, motors, motors]

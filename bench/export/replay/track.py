@@ -1,13 +1,14 @@
 """A twin simulated along a motion: MuJoCo closes the loops and integrates, a stiff controller follows."""
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 
 from bench.basics.interpolation import cubic_spline
+from bench.identification.filtered import Measured
 from bench.robot_check.contacts import GeomPair, active_contacts, geom_pair
 from bench.twin import Twin
 
@@ -52,20 +53,6 @@ class FileChange:
 AS_EXPORTED = FileChange()
 
 
-@dataclass(frozen=True, eq=False)
-class TrackingReference:
-    """Motion of driven joints: time (N,) s, from its start; position, velocity, acceleration (N, n); qpos, qvel: of the
-    whole robot at the start, in MuJoCo's coordinates.
-    """
-
-    time: np.ndarray
-    position: np.ndarray
-    velocity: np.ndarray
-    acceleration: np.ndarray
-    qpos: np.ndarray
-    qvel: np.ndarray
-
-
 @dataclass(frozen=True)
 class Lost:
     """The twin no longer follows: a joint, and the time from the start of the motion, s."""
@@ -93,15 +80,21 @@ class Tracked:
 
 
 def track(
-    twin: Twin, gains: np.ndarray, reference: TrackingReference, change: FileChange = AS_EXPORTED
+    twin: Twin,
+    gains: np.ndarray,
+    recorded: Measured,
+    start: tuple[np.ndarray, np.ndarray],
+    change: FileChange,
 ) -> Tracked:
-    """Simulate the twin along a motion until it is lost; gains (n,): N*m or N per unit of control.
+    """Simulate the twin along a recorded motion until it is lost; gains (n,): N*m or N per unit of control; start: qpos
+    and qvel of the whole robot, in MuJoCo's coordinates.
 
     In every step the motor torques give the driven joints the required acceleration: the recorded one plus a correction
     towards the recorded state.
     """
     model, data = twin.model, twin.data
-    interval = float(np.mean(np.diff(reference.time)))
+    time = recorded.time - recorded.time[0]
+    interval = float(np.mean(np.diff(time)))
     substeps = int(np.ceil(interval / min(model.opt.timestep, LONGEST_STEP) - 1e-9))
     model.opt.timestep = interval / substeps
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
@@ -110,21 +103,20 @@ def track(
     )  # accelerations are then those of the state
     change.make(model)
     data.time = 0.0
-    data.qpos[:], data.qvel[:] = reference.qpos, reference.qvel
-    wanted = _between_samples(reference, substeps)
+    data.qpos[:], data.qvel[:] = start
+    wanted = _between_samples(time, (recorded.position, recorded.velocity, recorded.acceleration), substeps)
     inertia = _ApparentInertia(twin)
     dofs, actuators = twin.dofs, twin.actuators
     renew = max(1, round(FRESH / model.opt.timestep))
     torque = np.zeros(len(gains))
-    torques, positions = np.full((2, *reference.position.shape), np.nan)
+    torques, positions = np.full((2, *recorded.position.shape), np.nan)
     opened, lost = 0.0, None
     pushed: defaultdict[tuple[int, int], float] = defaultdict(float)
-    far = LOST * np.maximum(np.ptp(reference.position, axis=0), np.finfo(float).tiny)
+    far = LOST * np.maximum(np.ptp(recorded.position, axis=0), np.finfo(float).tiny)
     frames_apart = max(1, round(FRAME / interval))
-    frames = np.arange(0, len(reference.time), frames_apart)
+    frames = np.arange(0, len(time), frames_apart)
     poses = np.full((len(frames), model.nq), np.nan)
-    steps = substeps * (len(reference.time) - 1) + 1
-    for step in range(steps):
+    for step in range(substeps * (len(time) - 1) + 1):
         mujoco.mj_step1(model, data)
         twin.apply_forces(torque / gains)
         _accelerate(model, data)
@@ -142,9 +134,9 @@ def track(
             opened = max(opened, float(np.abs(data.efc_pos[: data.ne]).max(initial=0.0)))
             if sample % frames_apart == 0:
                 poses[sample // frames_apart] = data.qpos
-            strayed = ~(np.abs(positions[sample] - reference.position[sample]) < far)
+            strayed = ~(np.abs(positions[sample] - recorded.position[sample]) < far)
             if strayed.any():
-                lost = Lost(twin.joints[int(np.argmax(strayed))], float(reference.time[sample]))
+                lost = Lost(twin.joints[int(np.argmax(strayed))], float(time[sample]))
                 break
         mujoco.mj_step2(model, data)
     touching: defaultdict[GeomPair, float] = defaultdict(float)
@@ -166,19 +158,12 @@ def _accelerate(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     mujoco.mj_fwdConstraint(model, data)
 
 
-def _between_samples(
-    reference: TrackingReference, substeps: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _between_samples(time: np.ndarray, states: Sequence[np.ndarray], substeps: int) -> Sequence[np.ndarray]:
     """Position, velocity and acceleration at every step of the simulation."""
-    given = reference.position, reference.velocity, reference.acceleration
     if substeps == 1:
-        return given
-    start, end = reference.time[0], reference.time[-1]
-    fine = np.linspace(start, end, substeps * (len(reference.time) - 1) + 1)
-    position, velocity, acceleration = (
-        np.asarray(cubic_spline(reference.time, values)(fine)) for values in given
-    )
-    return position, velocity, acceleration
+        return states
+    fine = np.linspace(time[0], time[-1], substeps * (len(time) - 1) + 1)
+    return [np.asarray(cubic_spline(time, values)(fine)) for values in states]
 
 
 class _ApparentInertia:
