@@ -1,18 +1,13 @@
 """Equalities and fixed tendons with locked joints, reduced to the joints that are not locked."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
+import mujoco
 import numpy as np
 from numpy.polynomial import Polynomial
 
 from bench.basics.errors import BenchError
 from bench.basics.joint_units import joint_units
-
-if TYPE_CHECKING:
-    import mujoco
 
 AGREE = 1e-6  # rad or m: largest gap of an equality whose joints are all locked, as in the home pose
 DIGITS = 1e-3  # m or rad: largest gap of a loop of locked joints, whose values may be typed with few digits
@@ -48,8 +43,6 @@ def drop_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[
     plain: the compiled file, whose equalities have the same indices. Raises BenchError if one is open at the locked
     positions, and if a coupling ties a joint that is not locked to a locked one.
     """
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     at = mujoco.MjData(plain)
     for name, value in values.items():
         at.joint(name).qpos[0] = value
@@ -86,8 +79,6 @@ def drop_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[
 
 def held_bodies(plain: mujoco.MjModel, equality: int) -> list[int]:
     """The two bodies that a connect or weld holds together."""
-    import mujoco  # noqa: PLC0415 - likewise
-
     ends = [int(plain.eq_obj1id[equality]), int(plain.eq_obj2id[equality])]
     if int(plain.eq_objtype[equality]) == int(mujoco.mjtObj.mjOBJ_SITE):
         return [int(plain.site_bodyid[site]) for site in ends]
@@ -138,8 +129,6 @@ def shorten_tendons(
 
     Returns what the locked joints add to the lengths, and the tendons that had no other joint and are removed.
     """
-    import mujoco  # noqa: PLC0415 - likewise
-
     lengths: dict[str, float] = {}
     travels: dict[str, float] = {}
     empty: set[str] = set()
@@ -155,9 +144,9 @@ def shorten_tendons(
         lengths[name] = sum(factor * values[joint] for joint, factor in held)
         travels[name] = sum(factor * (values[joint] - _reference(plain, joint)) for joint, factor in held)
         others = [(joint, factor) for joint, factor in joints if joint not in values]
-        fields = {field: getattr(tendon, field) for field in COPIED}
         fields = {
-            field: value.copy() if isinstance(value, np.ndarray) else value for field, value in fields.items()
+            field: value.copy() if isinstance(value := getattr(tendon, field), np.ndarray) else value
+            for field in COPIED
         }
         ends = np.array(tendon.range) - lengths[name]
         relaxed = plain.tendon_lengthspring[plain.tendon(name).id] - lengths[name]
@@ -194,9 +183,7 @@ def _shift(
         raise BenchError(f"equality {label!r} ties tendon {second!r} to locked joints: lock its joints too")
     if second in empty:
         equality.name2, law = "", Polynomial(law(0.0))
-    numbers = np.zeros(POWERS)
-    numbers[: len(law.coef)] = law.coef
-    equality.data[:POWERS] = numbers
+    equality.data[:POWERS] = np.pad(law.coef, (0, POWERS - len(law.coef)))
 
 
 def _reference(plain: mujoco.MjModel, joint: str) -> float:

@@ -1,6 +1,7 @@
 """All faults of the columns that a recording needs, each with its cure."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import combinations, pairwise
 
@@ -83,9 +84,7 @@ def faults_in(
     fault: TimeFault | None,
     accepted: frozenset[str],
 ) -> list[Fault]:
-    """The findings of the checks. A log with cuts is checked in its longest stretch, one with a wrong unit of time at
-    the corrected rate.
-    """
+    """The findings in a log; with cuts, in its longest stretch; with a wrong unit of time, at the corrected rate."""
     start, stop = 0, time.size
     if fault is not None and fault.in_pieces:
         pieces = pairwise([0, *cut_rows(time).tolist(), time.size])
@@ -103,9 +102,7 @@ def faults_in(
         effort=joint.logs_effort and not position,
     )
     return [
-        finding
-        if finding.row is None
-        else Fault(finding.check, finding.row + start, finding.what, finding.remedy)
+        finding if finding.row is None else replace(finding, row=finding.row + start)
         for finding in find(channel, accepted)
     ]
 
@@ -180,29 +177,22 @@ def exchanged(positions: Mapping[str, Array], joints: Sequence[JointFacts]) -> d
     there = [joint for joint in joints if joint.name in positions]
     for first, second in combinations(there, 2):
         ours, theirs = positions[first.name], positions[second.name]
-        if _inside(ours, first) or _inside(theirs, second):
-            continue
-        if _inside(ours, second) and _inside(theirs, first):
+        outside = not (_inside(ours, first) or _inside(theirs, second))
+        if outside and _inside(ours, second) and _inside(theirs, first):
             by_name |= {first.name: second, second.name: first}
     return by_name
 
 
-def exchange_fault(other: JointFacts) -> Fault:
-    """The fault of a column that is swapped with that of another joint."""
-    return Fault(
-        "limits",
-        None,
-        f"lies in the range of {other.name}, [{other.lower:g}, {other.upper:g}], and position.{other.name} in the "
-        "range of this joint: are the two columns swapped?",
-    )
-
-
 def without_exchange(findings: Sequence[Fault], other: JointFacts | None) -> list[Fault]:
     """Findings of a column; if it is swapped with that of another joint, this replaces findings of units and limits."""
-    if other is None or not any(finding.check in ("units", "limits") for finding in findings):
-        return list(findings)
     kept = [finding for finding in findings if finding.check not in ("units", "limits")]
-    return [exchange_fault(other), *kept]
+    if other is None or len(kept) == len(findings):
+        return list(findings)
+    said = (
+        f"lies in the range of {other.name}, [{other.lower:g}, {other.upper:g}], and position.{other.name} in the "
+        "range of this joint: are the two columns swapped?"
+    )
+    return [Fault("limits", None, said), *kept]
 
 
 def _inside(values: Array, joint: JointFacts) -> bool:

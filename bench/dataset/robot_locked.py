@@ -5,20 +5,16 @@ L ... Jk = (P L) (L^-1 J1 L) ... Jk: the pose of the body becomes P L, the joint
 and those after it do not change.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
+import mujoco
 import numpy as np
 
 from bench.basics.errors import BenchError, meant
 from bench.dataset.locked_couplings import drop_equalities, shorten_tendons
 from bench.dataset.mjcf_neutral import neutral
-
-if TYPE_CHECKING:
-    import mujoco
 
 ROUNDED = 0.01  # of a range's width: tolerance beyond its ends for values typed with few digits
 ANCHOR = "locked:"  # prefix of the names of sites that become the anchors of a connect
@@ -38,8 +34,6 @@ def locked_joints(plain: mujoco.MjModel, values: Mapping[str, float]) -> tuple[L
 
     Raises BenchError for an unknown joint, a ball or free joint, and a value beyond the joint's range.
     """
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     units: dict[int, Literal["rad", "m"]] = {
         int(mujoco.mjtJoint.mjJNT_HINGE): "rad",
         int(mujoco.mjtJoint.mjJNT_SLIDE): "m",
@@ -105,11 +99,7 @@ def lock_joints(spec: mujoco.MjSpec, locked: Sequence[LockedJoint]) -> dict[str,
 
 
 def _keep_anchors(spec: mujoco.MjSpec, plain: mujoco.MjModel) -> None:
-    """Make the anchors of equalities between bodies explicit: MuJoCo derives them at qpos0, but locked joints may
-    differ.
-    """
-    import mujoco  # noqa: PLC0415 - likewise
-
+    """Make the anchors of equalities of bodies explicit: MuJoCo derives them at qpos0, from which locks differ."""
     for index, equality in enumerate(spec.equalities):
         if int(plain.eq_objtype[index]) != int(mujoco.mjtObj.mjOBJ_BODY):
             continue
@@ -127,8 +117,6 @@ def _keep_anchors(spec: mujoco.MjSpec, plain: mujoco.MjModel) -> None:
 
 def _drop_actuators(spec: mujoco.MjSpec, gone: set[str]) -> list[int]:
     """Remove the actuators and sensors of removed joints and tendons; return the indices of these actuators."""
-    import mujoco  # noqa: PLC0415 - likewise
-
     elsewhere = (mujoco.mjtTrn.mjTRN_SITE, mujoco.mjtTrn.mjTRN_BODY, mujoco.mjtTrn.mjTRN_SLIDERCRANK)
     motors = [
         (i, motor)
@@ -194,8 +182,6 @@ def _fold(
     by_id: Mapping[int, mujoco.MjsJoint],
 ) -> None:
     """Fold the locked joints of a body into its pose."""
-    import mujoco  # noqa: PLC0415 - likewise
-
     first, count = int(plain.body_jntadr[index]), int(plain.body_jntnum[index])
     place, turn = plain.body_pos[index].copy(), plain.body_quat[index].copy()
     before: list[int] = []
@@ -231,11 +217,7 @@ def _fold(
 
 
 def _motion(plain: mujoco.MjModel, joint: int, value: float) -> tuple[np.ndarray, np.ndarray]:
-    """Translation (3,) and quaternion (4,) of the body frame due to a joint at `value`, in the frame before the
-    joint.
-    """
-    import mujoco  # noqa: PLC0415 - likewise
-
+    """Translation (3,) and quaternion (4,) of the body by a joint at `value`, in the frame before the joint."""
     travel = value - float(plain.qpos0[plain.jnt_qposadr[joint]])
     axis, point = plain.jnt_axis[joint], plain.jnt_pos[joint]
     if plain.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_SLIDE):
@@ -247,8 +229,6 @@ def _motion(plain: mujoco.MjModel, joint: int, value: float) -> tuple[np.ndarray
 
 def _rotated(vector: np.ndarray, quaternion: np.ndarray, *, back: bool = False) -> np.ndarray:
     """A vector rotated by a quaternion, or by its inverse."""
-    import mujoco  # noqa: PLC0415 - likewise
-
     result, inverse = np.zeros(3), np.zeros(4)
     mujoco.mju_negQuat(inverse, quaternion)
     mujoco.mju_rotVecQuat(result, vector, inverse if back else quaternion)

@@ -1,12 +1,12 @@
 """Write a robot.toml for an MJCF file: the parts that motors may drive, and the text that lists the motors."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
+
+import mujoco
 
 from bench.basics.errors import BenchError, meant
 from bench.basics.files.atomic import atomic_path
@@ -15,15 +15,10 @@ from bench.dataset.names import ROBOT_FILE, Unit
 from bench.dataset.robot import compiler_message, load_robot
 from bench.dataset.robot_mjcf import read_model
 
-if TYPE_CHECKING:
-    import mujoco
-
 
 @dataclass(frozen=True)
 class MotorPart:
-    """A part that a motor may drive. effort: unit of a motor on it; actuated: whether an actuator of the file acts on
-    it.
-    """
+    """A part that a motor may drive. effort: a motor's unit; actuated: whether an actuator of the file acts on it."""
 
     name: str
     drives: Literal["joint", "tendon", "motor"]
@@ -33,9 +28,7 @@ class MotorPart:
 
 @dataclass(frozen=True)
 class MjcfParts:
-    """Parts of an MJCF file: those that motors may drive, joints first, and the sites at which a payload may be
-    fixed.
-    """
+    """Parts of an MJCF file that motors may drive, joints first, and sites at which a payload may be fixed."""
 
     path: Path
     motors: tuple[MotorPart, ...]
@@ -52,8 +45,6 @@ class MjcfParts:
 
 def mjcf_parts(path: str | Path) -> MjcfParts:
     """The parts of an MJCF file. Raises BenchError, with file and line, if MuJoCo refuses it."""
-    import mujoco  # noqa: PLC0415 - slow to import: only once a file is really read
-
     path = Path(path)
     if not path.is_file():
         raise BenchError(f"{path}: there is no such file")
@@ -157,8 +148,6 @@ def _from(folder: Path, file: Path) -> str:
 
 
 def _motors(model: mujoco.MjModel) -> Iterator[MotorPart]:
-    import mujoco  # noqa: PLC0415 - slow to import: only once a file is really read
-
     efforts: dict[int, Literal["N*m", "N"]] = {
         int(mujoco.mjtJoint.mjJNT_HINGE): "N*m",
         int(mujoco.mjtJoint.mjJNT_SLIDE): "N",
@@ -189,11 +178,7 @@ def _motors(model: mujoco.MjModel) -> Iterator[MotorPart]:
 def _tendon_effort(
     model: mujoco.MjModel, tendon: int, joints: Mapping[int, Literal["N*m", "N"]]
 ) -> Literal["N*m", "N"] | None:
-    """Unit of effort of a motor on a fixed tendon: of a torque, unless all of its joints slide; None for a spatial
-    tendon.
-    """
-    import mujoco  # noqa: PLC0415 - slow to import: only once a file is really read
-
+    """Effort of a motor on a fixed tendon: torque unless all its joints slide; None for a spatial tendon."""
     first = int(model.tendon_adr[tendon])
     wraps = range(first, first + int(model.tendon_num[tendon]))
     if any(int(model.wrap_type[w]) != int(mujoco.mjtWrap.mjWRAP_JOINT) for w in wraps):

@@ -144,9 +144,7 @@ def _gap_fault(time: Array, steps: Array) -> TimeFault | None:
 
 
 def stamp_to(value: float, resolution: float, outward: int = 0) -> str:
-    """A time in s as text, rounded to a power of ten no coarser than `resolution` (s). outward: -1 never rounds up, 1
-    never rounds down.
-    """
+    """A time in s as text, rounded to at most `resolution` s. outward: -1 never rounds up, 1 never down."""
     decimals = max(0, ceil(-log10(resolution)))
     rounded = round(value, decimals)
     if outward * (rounded - value) < 0.0:

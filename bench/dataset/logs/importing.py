@@ -224,9 +224,7 @@ def _stale_pieces(folder: Path, requests: Sequence[LogRequest], names: Sequence[
 
 
 def _reference(robot: Robot, folder: Path) -> str:
-    """The robot's reference in a dataset.toml in `folder`: a built-in name, else a relative path, else an absolute
-    one.
-    """
+    """The robot in a dataset.toml in `folder`: a built-in name, else a relative path, else an absolute one."""
     for name, built_in in built_in_robots().items():
         if built_in.resolve() == robot.folder.resolve():
             return name

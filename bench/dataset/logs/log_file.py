@@ -65,9 +65,7 @@ class LogFile:
 
 @dataclass(frozen=True)
 class Reading:
-    """How to read a log. skip_rows: number of lines to skip at the top of a text; header: False if no line of the
-    text names the columns; topic: of a ROS bag.
-    """
+    """skip_rows: lines to skip at the top of a text; header: False if no line names columns; topic: of a ROS bag."""
 
     skip_rows: int = 0
     header: bool | None = None
