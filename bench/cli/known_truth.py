@@ -27,9 +27,7 @@ Known = tuple[Mapping[str, KnownTruth], Mapping[str, float] | None]
 
 
 def known_next_to(logged: Dataset, shown: Dataset) -> Known:
-    """The truth about a dataset that a simulation wrote; empty and None for others. shown: its recordings or parts of
-    them.
-    """
+    """The truth about a simulation's dataset; empty and None for others. shown: its recordings or parts of them."""
     content = _truth_next_to(logged)
     simulation = None if content is None else _simulated_again(logged, content)
     if content is None or simulation is None:

@@ -76,10 +76,7 @@ class LazyGroup(click.Group):
 
 
 def misspelt(error: click.NoSuchOption | click.NoSuchCommand) -> str:
-    """The error's message with the nearest known name.
-
-    Click's similarity includes the dashes, and thus confuses --robots with --verbose.
-    """
+    """The error's message with the nearest known name; click's similarity counts the dashes, too."""
     command = error.ctx.command if error.ctx is not None else None
     if isinstance(error, click.NoSuchCommand):
         name, known = error.command_name, _commands(command, error.ctx)

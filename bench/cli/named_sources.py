@@ -1,6 +1,4 @@
-"""Convert a source that a user names (a dataset, a model, a folder of results or of a sweep) to content for the
-viewer.
-"""
+"""Convert a source that a user names (a dataset, a model, a folder of results or of a sweep) for the viewer."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -47,9 +47,7 @@ def dataset_behind(model: Path) -> Path | None:
 
 
 def after_errors(source: Source, what: Compared, *, kept: bool) -> str | None:
-    """After a model's errors: a diagnosis if more than noise remains, else saving the model, None if it is already
-    saved.
-    """
+    """After a model's errors: a diagnosis if more than noise remains, else saving the model; None if it is saved."""
     from bench.residuals.words import DIAGNOSE, KEEP, beyond_noise
 
     if beyond_noise(what):
@@ -93,9 +91,7 @@ def after_figures(source: Source) -> str:
 
 
 def after_page(source: Source, diagnosis: Diagnosis | None) -> str:
-    """After a page: the step after the diagnosis of a dataset, the table of a sweep, the export of a model, the
-    figures of a result.
-    """
+    """After a page: the step after a diagnosis, the table of a sweep, the export of a model, a result's figures."""
     from bench.studies.sweep.rerun_runs import is_sweep_folder
 
     data = source.dataset

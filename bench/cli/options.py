@@ -306,9 +306,7 @@ def numbers(count: int) -> Callable[[str], tuple[float, ...]]:
 
 
 def rate(per: str) -> Callable[[str], tuple[float, str]]:
-    """The type of a positive number with a unit, such as 3rad/s or 0.5m/s, or without one: (number, unit). per: s or
-    s2.
-    """
+    """The type of a positive number, alone or with a unit as in 3rad/s: (number, unit). per: s or s2."""
     units = (f"rad/{per}", f"m/{per}")
 
     def split(given: str) -> tuple[float, str]:

@@ -67,9 +67,7 @@ def report(
 
 
 def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, str]:
-    """Write the page for the kind of the source; returns a note on what had to be computed again, or "", and the next
-    step.
-    """
+    """Write the page of the source; returns a note on what had to be computed again, or "", and the next step."""
     from bench.basics.errors import BenchError
     from bench.cli.next_steps import after_page, after_trial
     from bench.dataset.dataset import refuse_log

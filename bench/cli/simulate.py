@@ -65,7 +65,8 @@ def demo(output: Path, scenario: str) -> None:
     from bench.api.diagnose import diagnose
     from bench.basics.quiet import stop_step_timers
     from bench.dataset.dataset import load_dataset
-    from bench.document.figures.comparison import write_current_figure
+    from bench.document.figures.comparison import current_figure
+    from bench.document.figures.write import write_figure
     from bench.document.terminal.identification import identification_report
     from bench.excitation.scenario import load_designed
     from bench.identification.identify import fit
@@ -96,7 +97,7 @@ def demo(output: Path, scenario: str) -> None:
     true = true_values(prepared.model, truth(simulation))
     identification_report(result, console, truth=true)
     save_model(result, output / "model.json", dataset.folder)
-    write_current_figure(output / "currents.png", result)
+    write_figure(output / "currents.png", current_figure(result))
     write_rrd(output / "demo.rrd", result, dataset, truth=true)
     console.print("Searching for physical effects that the model lacks ...")
     run = CommandRun("diagnose", str(output / "dataset"), output=str(output))

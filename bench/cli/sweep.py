@@ -1,6 +1,4 @@
-"""`bench sweep`, `table`, `plot` and `check`: many scenarios, their table, its summaries and plots, and the accuracy
-check.
-"""
+"""`bench sweep`, `table`, `plot` and `check`: many scenarios, their table, summaries, plots, and accuracy."""
 
 from pathlib import Path
 

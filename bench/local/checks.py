@@ -193,10 +193,7 @@ def _problem(
 
 
 def _in_place(remedy: dict[str, Any] | None, given: str | float | None) -> dict[str, Any] | None:
-    """The remedy, its unit combined with the `given` one, in which the checked values were converted.
-
-    None if no unit has the combined factor.
-    """
+    """The remedy, its unit combined with the `given` one of the checked values; None if no unit has that factor."""
     if remedy is None or "unit" not in remedy or given is None:
         return remedy
     like = UNITS[remedy["unit"]]

@@ -16,13 +16,13 @@ from bench.page.chart_spec import chart_figure
 from bench.page.parts import (
     Cell,
     Commands,
+    Kind,
     Page,
-    PageColumn,
-    PageTable,
     Part,
     Section,
     Tile,
     on_page,
+    page_table,
     row,
     sentences_section,
 )
@@ -219,14 +219,13 @@ def _tiles(summary: TrialSummary) -> tuple[Tile, ...]:
 
 
 def _targets_section(summary: TrialSummary) -> Section:
-    columns = (
-        PageColumn("figure", "words"),
-        PageColumn("reached", "right"),
-        PageColumn("must be", "keep"),
-        PageColumn(""),
-        PageColumn("cases", "right"),
-        PageColumn("95 % interval", "keep"),
-    )
+    heads: dict[str, Kind] = {
+        "figure": "words",
+        "reached": "right",
+        "must be": "keep",
+        "": "",
+        "cases": "right",
+    }
     rows = []
     for target in summary.targets:
         if target.reached is None:
@@ -236,7 +235,8 @@ def _targets_section(summary: TrialSummary) -> Section:
         first = typeset(name.replace("`", ""))
         texts = (typeset(cell) for cell in (reached, bound))
         rows.append(row(first, *texts, kept, cases, typeset(interval), kind="" if bound else "weak"))
-    parts = (PageTable("Figures and what they must reach", COUNTED, columns, tuple(rows)),)
+    heads["95 % interval"] = "keep"
+    parts = (page_table("Figures and what they must reach", COUNTED, heads, rows),)
     lead = "A wide interval means too few cases: more seeds add to what is there."
     return Section("reached", "What was reached", lead, parts)
 
@@ -333,7 +333,7 @@ def _again_section(result: TrialResult, again: Sequence[str]) -> Section:
         if name == "commit" or name.startswith("version.")
     }
     counts = Counter(row["kind"] for row in result.rows)
-    heads = (PageColumn("kind", "keep"), PageColumn("datasets", "right"), PageColumn("hidden", "words"))
+    heads: dict[str, Kind] = {"kind": "keep", "datasets": "right", "hidden": "words"}
     hidden = {
         "nothing": "nothing",
         "one": "one effect of the catalogue",
@@ -341,13 +341,11 @@ def _again_section(result: TrialResult, again: Sequence[str]) -> Section:
         "three": "three effects",
         "outside": "an effect that is not in the catalogue",
     }
-    rows = tuple(row(kind, str(counts[kind]), hidden[kind]) for kind in KINDS if counts[kind])
-    aid = "More seeds add to what is there."
+    rows = [(kind, str(counts[kind]), hidden[kind]) for kind in KINDS if counts[kind]]
+    aid = "Drawn from seeds; each was diagnosed without access to the truth."
     parts: tuple[Part, ...] = (
-        PageTable(
-            "Datasets", "Drawn from seeds; each was diagnosed without access to the truth.", heads, rows
-        ),
+        page_table("Datasets", aid, heads, rows),
         versions_of(columns),
-        Commands("Run it again", aid, tuple(again)),
+        Commands("Run it again", "More seeds add to what is there.", tuple(again)),
     )
     return Section("run", "Datasets, versions, and how to run it again", "", parts, "Versions")

@@ -85,9 +85,7 @@ def write_saved_run(
 
 
 def _identify_line(kept: SavedRun) -> str:
-    """The command that identifies the diagnosed dataset with the same options, without the effects selected on the
-    page.
-    """
+    """The command that identifies the dataset with the same options, without the page's effects."""
     each = tuple(effect for effect in kept.after.effects if effect.endswith(TAG))
     options = {name: value for name, value in kept.run.options.items() if name not in ("time_limit", "rule")}
     return CommandRun("identify", kept.run.dataset, each, kept.run.effect_files, options).line()

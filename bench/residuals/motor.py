@@ -84,10 +84,7 @@ class Compared:
 def compared(
     robot: Robot, recordings: Sequence[Recording], series: Sequence[CurrentSeries], settings: FilterSettings
 ) -> Compared:
-    """Split measured and modelled currents by motor.
-
-    recordings: as logged, for their noise; settings: the filters that the series went through.
-    """
+    """Split currents by motor. recordings: as logged, for their noise; settings: filters that the series passed."""
     logged = {recording.name: recording for recording in recordings}
     units = {}
     for actuator in robot.actuators:

@@ -231,11 +231,7 @@ def _divergence(error_share: float, time_share: float) -> float:
 def _independent_squares(
     series: Sequence[MotorSeries], squares: Sequence[np.ndarray], remaining: Sequence[np.ndarray]
 ) -> float:
-    """Effective number of remaining independent squares: of blocks as long as their autocorrelation time, weighted by
-    size.
-
-    Squares of normal errors have the squared correlation of the errors.
-    """
+    """Effective number of remaining squares, as of blocks as long as their (squared) autocorrelation."""
     alike = correlations([trace.row for trace in series], [trace.error for trace in series]) ** 2
     length = max(int(np.ceil(2.0 * alike.sum() - 1.0)), 1)
     kept = [square[rows] for square, rows in zip(squares, remaining, strict=True) if rows.any()]

@@ -1,6 +1,4 @@
-"""Charts of one motor's errors: against the variables on which they may depend, by part of the motion, and in
-distribution.
-"""
+"""Charts of one motor's errors: against variables, by part of the motion, and in distribution."""
 
 from collections.abc import Mapping
 
@@ -54,7 +52,7 @@ def against_chart(errors: ErrorBreakdown, variable: Variable) -> Chart:
     return Chart(
         f"Against {'modelled current' if variable == 'current' else variable}",
         Axis(label, unit),
-        (Panel(_error_axis(errors), series),),
+        (Panel(Axis("error", errors.current), series),),
         aid="If level with the band, nothing depends on it.",
         legend="shared",
     )
@@ -73,7 +71,7 @@ def reversals_chart(errors: ErrorBreakdown) -> Chart:
     return Chart(
         "Around reversals",
         Axis("time from the nearest reversal", "s", include=(-reach, reach)),
-        (Panel(_error_axis(errors), series),),
+        (Panel(Axis("error", errors.current), series),),
         aid=aid if branches else "The motor never reverses while it moves: nothing to show.",
         key="colour: the direction afterwards" if branches else "it never reverses while it moves",
         legend="shared",
@@ -83,23 +81,17 @@ def reversals_chart(errors: ErrorBreakdown) -> Chart:
 def recordings_chart(errors: ErrorBreakdown) -> Chart:
     """Error of every recording, and noise of its current, both relative to the current."""
     recordings = errors.by_recording
-    stems = [recording.recording.removesuffix(".csv").removesuffix(".parquet") for recording in recordings]
     names = tuple(
-        f"{stem}, {recording.payload}" if recording.payload else stem
-        for stem, recording in zip(stems, recordings, strict=True)
+        recording.recording.removesuffix(".csv").removesuffix(".parquet")
+        + (f", {recording.payload}" if recording.payload else "")
+        for recording in recordings
     )
-    return Chart(
-        "By recording and payload",
-        Axis("error of the current", "%", include=(0.0,)),
-        (
-            _bars(
-                names,
-                ("error", np.array([recording.error for recording in recordings])),
-                ("noise of the current", np.array([recording.noise for recording in recordings])),
-            ),
-        ),
-        aid="A prominent recording or payload differs from the others.",
-        key="grey: noise of the current",
+    return _bars(
+        ("By recording and payload", "error of the current", "grey: noise of the current"),
+        names,
+        ("error", [recording.error for recording in recordings]),
+        ("noise of the current", [recording.noise for recording in recordings]),
+        "A prominent recording or payload differs from the others.",
     )
 
 
@@ -122,18 +114,12 @@ def opposing_chart(errors: ErrorBreakdown) -> Chart:
 def shares_chart(errors: ErrorBreakdown) -> Chart:
     """Share of the squared error in each part of the motion, and that part's share of the time."""
     regions = errors.shares
-    return Chart(
-        "Where the squared error lies",
-        Axis("share", "%", include=(0.0,)),
-        (
-            _bars(
-                tuple(region.region for region in regions),
-                ("of the squared error", np.array([region.error for region in regions])),
-                ("of the time", np.array([region.time for region in regions])),
-            ),
-        ),
-        aid="A bar far longer than the grey one: the error is concentrated there.",
-        key="grey: share of the time",
+    return _bars(
+        ("Where the squared error lies", "share", "grey: share of the time"),
+        tuple(region.region for region in regions),
+        ("of the squared error", [region.error for region in regions]),
+        ("of the time", [region.time for region in regions]),
+        "A bar far longer than the grey one: the error is concentrated there.",
     )
 
 
@@ -201,30 +187,14 @@ def histogram_chart(errors: ErrorBreakdown) -> Chart:
     )
 
 
-def _error_axis(errors: ErrorBreakdown) -> Axis:
-    return Axis("error", errors.current)
-
-
 def _noise_band(errors: ErrorBreakdown) -> Band:
     return Band(NOISE_BAND, "noise", -errors.noise, errors.noise)
 
 
 def _binned(branch: Branch) -> Binned:
-    bins = branch.bins
-    low, high = _extremes(branch)
-    return Binned(
-        branch.direction,
-        branch.direction,
-        branch.x,
-        branch.error,
-        bins.edges,
-        bins.center,
-        bins.mean,
-        bins.spread,
-        low,
-        high,
-        bins.count,
-    )
+    bins, way = branch.bins, branch.direction
+    means = (bins.edges, bins.center, bins.mean, bins.spread)
+    return Binned(way, way, branch.x, branch.error, *means, *_extremes(branch), bins.count)
 
 
 def _extremes(branch: Branch) -> tuple[np.ndarray, np.ndarray]:
@@ -239,7 +209,15 @@ def _extremes(branch: Branch) -> tuple[np.ndarray, np.ndarray]:
     return np.where(np.isfinite(low), low, np.nan), np.where(np.isfinite(high), high, np.nan)
 
 
-def _bars(names: tuple[str, ...], thick: tuple[str, np.ndarray], thin: tuple[str, np.ndarray]) -> Panel:
-    """Two bars for each category, the second one thin; thick, thin: name and lengths of each."""
-    bars = (Bars(thick[0], "error", thick[1]), Bars(thin[0], "noise", thin[1], thin=True))
-    return Panel(Axis("", scale="band", categories=names), bars)
+def _bars(
+    words: tuple[str, str, str],
+    names: tuple[str, ...],
+    thick: tuple[str, list[float]],
+    thin: tuple[str, list[float]],
+    aid: str,
+) -> Chart:
+    """Two bars for each category, one thin. words: title, axis and key; thick, thin: name and lengths of each."""
+    title, axis, key = words
+    bars = (Bars(thick[0], "error", np.array(thick[1])), Bars(thin[0], "noise", np.array(thin[1]), thin=True))
+    panel = Panel(Axis("", scale="band", categories=names), bars)
+    return Chart(title, Axis(axis, "%", include=(0.0,)), (panel,), aid, key)

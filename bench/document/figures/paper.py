@@ -114,10 +114,7 @@ def paper_figure(what: PaperFigure, width: float) -> Figure:
 
 
 def write_paper_figures(folder: Path, figures: Sequence[PaperFigure]) -> list[Path]:
-    """Write every figure as PDF and PNG in both widths, and its numbers as CSV; return the paths.
-
-    Each file is written whole or not at all.
-    """
+    """Write every figure as PDF and PNG in both widths, and its numbers as CSV, each whole; return the paths."""
     paths = []
     for what in figures:
         for width_name, width in WIDTHS.items():
@@ -214,9 +211,7 @@ def _current_numbers(trace: MotorSeries, unit: str) -> Columns:
 
 
 def panel(chart: Chart, height: float, *, number: int = 0, key: bool = True, **labels: str) -> PaperPanel:
-    """A panel of a chart. number: its index; height: mm; key: see `draw`; labels: axis labels and title, replacing the
-    chart's.
-    """
+    """A panel of a chart. number: its index; height: mm; key: see `draw`; labels: replace the chart's."""
 
     def drawn(axes: Axes) -> None:
         draw(axes, chart, PAPER.scale, panel=number, key=key)
