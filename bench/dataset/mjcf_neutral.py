@@ -17,8 +17,7 @@ def _empty() -> mujoco.MjSpec:
 
 
 def keep_masses(spec: mujoco.MjSpec) -> None:
-    """Give every body explicitly the mass and inertia that result from the compiler's settings, and reset these
-    settings.
+    """Give every body explicitly the mass and inertia by the compiler's settings, and reset these.
 
     Otherwise `inertiafromgeom="true"` would give an added body without shapes no mass, `settotalmass` would
     distribute the mass of a payload over all bodies, and `boundmass` would make a rotor heavy.

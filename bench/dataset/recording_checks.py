@@ -1,9 +1,8 @@
 """Checks of a log's signals: wrong units, limits, constant, stuck, spiked, clipped.
 
-Each check looks at one column and returns the first finding or None. They are designed to stay silent on clean,
-noisy, quantised and slow data: a signal is compared with itself, with a tolerance for its resolution (its smallest
-step). A finding can still be a false alarm: with accept = ["saturated"], a recording skips a check that its user has
-examined.
+Each check looks at one column and returns the first finding or None. They are designed to stay silent on clean, noisy,
+quantised and slow data: a signal is compared with itself, with a tolerance for its resolution (its smallest step). A
+finding can still be a false alarm: accept = ["saturated"] skips a check for a recording.
 """
 
 from collections.abc import Callable, Mapping

@@ -1,6 +1,6 @@
 """All faults of the columns that a recording needs, each with its cure."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import combinations, pairwise
@@ -29,15 +29,9 @@ def faults_of(
     """
     faults: list[RecordingFaultError] = []
     time = _read(table, "time", faults)
-    signals: dict[str, tuple[np.ndarray, JointFacts]] = {}
-    for kind in ("position", "current"):
-        for joint in joints:
-            column = f"{kind}.{joint.name}"
-            if column not in table.columns:
-                continue
-            values = _read(table, column, faults, time)
-            if values is not None:
-                signals[column] = values, joint
+    by_name = {joint.name: joint for joint in joints}
+    columns = [f"{kind}.{name}" for kind in ("position", "current") for name in by_name]
+    there = {column: _read(table, column, faults, time) for column in columns if column in table.columns}
     if time is None:
         return faults
     fault = time_fault(time)
@@ -47,18 +41,27 @@ def faults_of(
         faults.append(RecordingFaultError(said, cure, fault.remedy, column="time"))
     if fault is not None and fault.row is None and fault.remedy not in SECONDS:
         return faults  # the sampling rate is unknown
-    positions = {
-        joint.name: values
-        for column, (values, joint) in signals.items()
-        if column.startswith("position.") and "limits" not in accepted
-    }
-    swapped = exchanged(positions, joints)
-    for column, (values, joint) in signals.items():
-        findings = faults_in(column, values, time, joint, fault, accepted)
-        if column.startswith("position."):
-            findings = without_exchange(findings, swapped.get(joint.name))
-        faults += [_fault_of(table, column, finding) for finding in findings]
-    return faults
+    signals = {column: values for column, values in there.items() if values is not None}
+    findings = signal_faults(signals, by_name, time, fault, accepted)
+    return [*faults, *(_fault_of(table, column, finding) for column, finding in findings)]
+
+
+def signal_faults(
+    signals: Mapping[str, Array],
+    joints: Mapping[str, JointFacts],
+    time: Array,
+    fault: TimeFault | None,
+    accepted: frozenset[str],
+) -> Iterator[tuple[str, Fault]]:
+    """The findings in columns (N,) of positions and currents, each with its column. fault: of the time (N,)."""
+    positions = {name: signals[column] for name in joints if (column := f"position.{name}") in signals}
+    swapped = exchanged({} if "limits" in accepted else positions, list(joints.values()))
+    for column, values in signals.items():
+        kind, _, name = column.partition(".")
+        findings = faults_in(column, values, time, joints[name], fault, accepted)
+        if kind == "position":
+            findings = without_exchange(findings, swapped.get(name))
+        yield from ((column, finding) for finding in findings)
 
 
 def _read(

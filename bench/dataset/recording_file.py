@@ -28,8 +28,7 @@ def load_recordings(
 ) -> list[Recording]:
     """Read the CSV or Parquet file `path` as a recording of the driven `joints`; see recording_from_table.
 
-    Each used stretch becomes a separate recording, since no filter may run across a cut. Only the used samples are
-    checked.
+    Each used stretch becomes a separate recording, as no filter may run across a cut. Only used samples are checked.
     """
     table = read_table(path)
     _check_columns(table, ["time"])
@@ -40,21 +39,12 @@ def load_recordings(
     started = window.began(table)
     if len(recordings) == 1:
         return [replace(recordings[0], started=started)]
-    return [
-        replace(
-            recording,
-            name=f"{name} ({' to '.join(_stamps(recording))} s)",
-            part_of=name,
-            started=started,
-        )
-        for recording in recordings
-    ]
-
-
-def _stamps(recording: Recording) -> list[str]:
-    """Start and end of a part of a log, rounded to a thousandth of its length."""
-    first, last = float(recording.time[0]), float(recording.time[-1])
-    return [stamp_to(stamp, 1e-3 * (last - first)) for stamp in (first, last)]
+    parted = []
+    for recording in recordings:
+        ends = recording.time[[0, -1]].tolist()
+        span = " to ".join(stamp_to(end, 1e-3 * (ends[1] - ends[0])) for end in ends)
+        parted.append(replace(recording, name=f"{name} ({span} s)", part_of=name, started=started))
+    return parted
 
 
 def recording_from_table(
@@ -68,8 +58,7 @@ def recording_from_table(
     """The columns of a table as a recording of the driven `joints`, on a uniform time grid.
 
     The joints of redundant motors come last; their positions, which follow from the others, are kept among the extra
-    columns. Every check of bench.dataset.sampling and bench.dataset.recording_checks runs, except for the accepted
-    ones.
+    columns. Every check of `sampling` and `recording_checks` runs, except for the accepted ones.
 
     Errors: RecordingFaultError "FILE: column COLUMN, line N: ..." for the first fault, which contains all others; a
     BenchError if columns are missing.

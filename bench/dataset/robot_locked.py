@@ -118,31 +118,26 @@ def _keep_anchors(spec: mujoco.MjSpec, plain: mujoco.MjModel) -> None:
 def _drop_actuators(spec: mujoco.MjSpec, gone: set[str]) -> list[int]:
     """Remove the actuators and sensors of removed joints and tendons; return the indices of these actuators."""
     elsewhere = (mujoco.mjtTrn.mjTRN_SITE, mujoco.mjtTrn.mjTRN_BODY, mujoco.mjtTrn.mjTRN_SLIDERCRANK)
-    motors = [
-        (i, motor)
+    motors = {
+        i: motor
         for i, motor in enumerate(spec.actuators)
         if motor.trntype not in elsewhere and motor.target in gone
-    ]
-    named = {
-        mujoco.mjtObj.mjOBJ_JOINT: gone,
-        mujoco.mjtObj.mjOBJ_TENDON: gone,
-        mujoco.mjtObj.mjOBJ_ACTUATOR: {motor.name for _, motor in motors},
     }
+    named = dict.fromkeys((mujoco.mjtObj.mjOBJ_JOINT, mujoco.mjtObj.mjOBJ_TENDON), gone)
+    named[mujoco.mjtObj.mjOBJ_ACTUATOR] = {motor.name for motor in motors.values()}
     for sensor in list(spec.sensors):
         if sensor.objname in named.get(sensor.objtype, ()):
             spec.delete(sensor)
-    for _, motor in motors:
+    for motor in motors.values():
         spec.delete(motor)
-    return [i for i, _ in motors]
+    return list(motors)
 
 
 def _without_keyframes(spec: mujoco.MjSpec) -> list[dict[str, Any]]:
     """Remove the keyframes and return their values by field."""
-    said = []
+    fields, said = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat"), []
     for key in list(spec.keys):
-        numbers = {
-            field: list(getattr(key, field)) for field in ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
-        }
+        numbers = {field: list(getattr(key, field)) for field in fields}
         said.append({"name": key.name, "time": key.time, **numbers})
         spec.delete(key)
     return said
@@ -166,12 +161,10 @@ def _shorten_keyframes(
     for keyframe in keyframes:
         key = spec.add_key()
         for field, value in keyframe.items():
-            kept = (
-                [number for i, number in enumerate(value) if i not in without[field]]
-                if field in without
-                else value
+            gone = without.get(field, ())
+            setattr(
+                key, field, [number for i, number in enumerate(value) if i not in gone] if gone else value
             )
-            setattr(key, field, kept)
 
 
 def _fold(

@@ -78,13 +78,8 @@ def robot_toml(
             raise BenchError(f"motor {motor!r}: no joint, fixed tendon or actuator: {hint}")
         part = parts.named[motor]
         gain_unit = unit if unit == "1" else f"{part.effort}/{unit}"
-        lines += [
-            "",
-            "[[actuators]]",
-            toml_line(part.drives, motor),
-            toml_line("gain", gain),
-            toml_line("gain_unit", gain_unit),
-        ]
+        lines += ["", "[[actuators]]", toml_line(part.drives, motor)]
+        lines += [toml_line("gain", gain), toml_line("gain_unit", gain_unit)]
     if tool is not None:
         if tool not in parts.sites:
             raise BenchError(f"tool {tool!r}: no site: {meant(tool, parts.sites, f'{parts.path.name} has')}")
@@ -96,9 +91,8 @@ def robot_toml(
 
 def no_tool(sites: Sequence[str]) -> str:
     """What a robot without a tool site lacks, and the lines to add. sites: of its MJCF."""
-    there = (
-        f"sites of the MJCF: {', '.join(sites)}" if sites else "the MJCF needs a <site> of that name first"
-    )
+    of_file = f"sites of the MJCF: {', '.join(sites)}"
+    there = of_file if sites else "the MJCF needs a <site> of that name first"
     return (
         "the robot has no tool site to fix payloads at (bench excite --payload-mass needs one): add the lines "
         f'[tool] and site = "NAME" to robot.toml ({there})'
@@ -128,9 +122,12 @@ def write_robot_toml(
     target = Path(folder if folder is not None else mjcf.parent) / ROBOT_FILE
     if target.exists() and not overwrite:
         raise BenchError(f"{target}: already exists; give another folder, or allow overwriting")
-    text = robot_toml(
-        _from(target.parent, mjcf), name or mjcf.stem, motors, mjcf_parts(mjcf), unit, tool, locked or {}
-    )
+    try:
+        reference = Path(os.path.relpath(mjcf.resolve(), target.parent.resolve())).as_posix()
+    except ValueError:  # on another drive
+        reference = mjcf.resolve().as_posix()
+    parts = mjcf_parts(mjcf)
+    text = robot_toml(reference, name or mjcf.stem, motors, parts, unit, tool, locked or {})
     with atomic_path(target) as partial:
         partial.write_text(text, encoding="utf-8")
         try:
@@ -140,24 +137,14 @@ def write_robot_toml(
     return target.parent
 
 
-def _from(folder: Path, file: Path) -> str:
-    try:
-        return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()
-    except ValueError:  # on another drive
-        return file.resolve().as_posix()
-
-
 def _motors(model: mujoco.MjModel) -> Iterator[MotorPart]:
     efforts: dict[int, Literal["N*m", "N"]] = {
         int(mujoco.mjtJoint.mjJNT_HINGE): "N*m",
         int(mujoco.mjtJoint.mjJNT_SLIDE): "N",
     }
     on_joint, on_tendon = int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_TENDON)
-    acts = {
-        (int(kind), int(at))
-        for kind, at in zip(model.actuator_trntype, model.actuator_trnid[:, 0], strict=True)
-    }
-    joints = {j: efforts[int(kind)] for j, kind in enumerate(model.jnt_type) if int(kind) in efforts}
+    acts = set(zip(model.actuator_trntype.tolist(), model.actuator_trnid[:, 0].tolist(), strict=True))
+    joints = {j: efforts[kind] for j, kind in enumerate(model.jnt_type.tolist()) if kind in efforts}
     tendons = {
         t: effort for t in range(model.ntendon) if (effort := _tendon_effort(model, t, joints)) is not None
     }

@@ -54,8 +54,7 @@ class LogMap:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """A recording's columns (N,) in SI, `time` first; sources: their names in the log; notes: on time and units, in
-    words.
+    """A recording's columns (N,) in SI, `time` first; sources: their names in the log; notes: on time and units.
 
     faults: a line for each column that is not numeric, which is not among the values. stated: units that the log
     states, for the columns converted to SI because of them.
