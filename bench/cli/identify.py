@@ -109,13 +109,8 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
         physical=physical,
     )
     written: list[str] = []
-
-    def answer() -> None:
-        if json_file is None:
-            return
-        folder = None if json_file == STANDARD_OUTPUT else json_file.resolve().parent
-        made = partial(model_json, result, data.folder, asked.files, folder)
-        write_with_words(json_file, made, "model", written)
+    folder = json_file.resolve().parent if json_file and json_file != STANDARD_OUTPUT else None
+    answer = partial(model_json, result, data.folder, asked.files, folder)
 
     def recording() -> None:
         if rrd_file is None:
@@ -153,7 +148,7 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
         say([*remaining_errors(what), *written, step])
 
     take_all(
-        answer,
+        lambda: write_with_words(json_file, answer, "model", written),
         lambda: shown(
             lambda: identification_report(result, Console(), verbose=verbose), lambda: _gains(result)
         ),

@@ -76,12 +76,8 @@ def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, st
     from bench.studies.sweep.rerun_runs import is_sweep_folder
 
     said, source, data, asked = "", given.path, given.data, given.asked
-    models = {
-        "--data": data,
-        "--with": asked.effects,
-        "--effect-file": asked.files,
-        "filters": asked.filters,
-    }
+    models: dict[str, Any] = {"--data": data, "--with": asked.effects, "--effect-file": asked.files}
+    models |= {"filters": asked.filters}
     if (source / DATASET_FILE).is_file() or source.name == DATASET_FILE:
         _refuse({"--data": data}, "a dataset, which is diagnosed")
         return said, after_page(given, _of_dataset(given, output, progress))
@@ -122,14 +118,11 @@ def _of_trial(source: Path, output: Path) -> Path:
     from bench.page.write_studies import write_trial_report
 
     table = trial_table(source) if source.exists() else None
-    if table is None and source.is_dir():
-        raise BenchError(
-            f"{source}: neither a dataset nor a result: it has no dataset.toml, no {RUN_FILE}, and no sweep or trial"
-        )
     if table is None:
-        raise BenchError(
-            f"{source}: not the table of a trial" if source.exists() else f"{source}: no such file or folder"
-        )
+        why = "not the table of a trial" if source.exists() else "no such file or folder"
+        if source.is_dir():
+            why = f"neither a dataset nor a result: it has no dataset.toml, no {RUN_FILE}, and no sweep or trial"
+        raise BenchError(f"{source}: {why}")
     write_trial_report(table, output)
     return table
 
@@ -154,20 +147,10 @@ def _of_dataset(given: "Source", output: Path, progress: Progress) -> "Diagnosis
 
 
 def _of_model(given: "Source", output: Path, progress: Progress) -> None:
-    from bench.basics.errors import BenchError
-    from bench.dataset.dataset import load_dataset
-    from bench.identification.model_file import load_model, read_identification
     from bench.page.folder import SavedRun
     from bench.page.write import write_saved_run
 
-    saved = load_model(given.path)
-    data = given.data or saved.dataset
-    if data is None:
-        raise BenchError(
-            f"{given.path}: a model file without the path of its recordings: name them with --data"
-        )
     progress.phase("reading the recordings")
-    dataset = load_dataset(data)
-    result = read_identification(given.path, given.asked.of(dataset))
-    run = given.asked.run("report", given.path, {"data": str(data)}, output)
+    dataset, result = given.applied()
+    run = given.asked.run("report", given.path, {"data": str(given.dataset)}, output)
     write_saved_run(output, SavedRun(run, dataset, result, None, str(given.path)), progress=progress)

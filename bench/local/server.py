@@ -1,12 +1,12 @@
 """Serve the page at the loopback address until interrupted."""
 
+import os
 import socket
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import uvicorn
-from starlette.applications import Starlette
 
 from bench.basics.errors import BenchError
 from bench.dataset.names import DATASET_FILE
@@ -62,7 +62,8 @@ def serve(asked: Opened, functions: Mapping[str, Home], ready: Callable[[str], N
     with _listening(asked.port) as listener:
         port = listener.getsockname()[1]
         token = new_token()
-        app = answered_at_the_end(Guard(_app(asked, commander, looker), token, port))
+        pages = Pages(asked.folder, Jobs(commander), looker, asked.start, asked.command)
+        app = answered_at_the_end(Guard(application(pages), token, port))
         config = uvicorn.Config(
             app,
             log_level="critical",
@@ -84,17 +85,8 @@ def serve(asked: Opened, functions: Mapping[str, Home], ready: Callable[[str], N
             close()
 
 
-def _app(asked: Opened, commander: Worker, looker: Worker) -> Starlette:
-    return application(Pages(asked.folder, Jobs(commander), looker, asked.start, asked.command))
-
-
 def _listening(port: int) -> socket.socket:
-    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        listener.bind((LOOPBACK, port))
+        return socket.create_server((LOOPBACK, port), backlog=64)
     except OSError as error:
-        listener.close()
-        raise BenchError(f"--port {port}: {error.strerror}") from error
-    listener.listen(64)
-    return listener
+        raise BenchError(f"--port {port}: {os.strerror(error.errno or 0)}") from error

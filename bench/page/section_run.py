@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from bench.basics.shell_word import quoted
+from bench.basics.shell_word import each, option_words, quoted
 from bench.basics.versions import Versions, versions
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.dependence_words import unfinished_sentence
@@ -35,13 +35,8 @@ class CommandRun:
 
     def option_words(self) -> list[str]:
         """The words after the dataset."""
-        words = [word for effect in self.effects for word in ("--with", effect)]
-        words += [word for file in self.effect_files for word in ("--effect-file", file)]
-        for name, value in self.options.items():
-            if value not in (None, False):
-                words.append(f"--{name.replace('_', '-')}")
-                if value is not True:
-                    words.append(",".join(map(str, value)) if isinstance(value, list | tuple) else str(value))
+        words = [*each("--with", self.effects), *each("--effect-file", self.effect_files)]
+        words += option_words(self.options)
         return [*words, "-o", self.output] if self.output else words
 
 

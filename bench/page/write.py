@@ -9,12 +9,10 @@ from bench.basics.shell_word import quoted
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
 from bench.effects.select import TAG
-from bench.export.replay.replay import Replay
 from bench.identification.model_file import Comparison, model_json
-from bench.identification.problem import Problem
 from bench.identification.result import Identification
 from bench.page.folder import SavedRun, save_run, save_workbench
-from bench.page.pages import comparison_page, diagnosis_page, identification_page, replay_page
+from bench.page.pages import comparison_page, diagnosis_page, identification_page
 from bench.page.parts import Page
 from bench.page.render import Workbench, render_page
 from bench.page.section_run import CommandRun, Made
@@ -49,13 +47,6 @@ def write_identification_report(
     kept = SavedRun(run, dataset, result, None, model)
     save_run(folder, kept)
     return write_saved_run(folder / REPORT_FILE, kept, folder)
-
-
-def write_replay_report(
-    folder: Path, result: Replay, problem: Problem, saved: Identification, run: CommandRun
-) -> Path:
-    """Write report.html of a replay into a folder. saved: the exported model."""
-    return write_page(folder / REPORT_FILE, replay_page(result, problem, saved, Made((run.line(),))))
 
 
 def write_saved_run(
