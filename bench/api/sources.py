@@ -5,7 +5,7 @@ from pathlib import Path
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.diagnosis.split import dataset_of
-from bench.identification.model_file import SavedModel, load_model
+from bench.identification.model_file import SavedModel
 from bench.identification.model_file import save_model as write_model
 from bench.identification.result import Identification
 
@@ -19,11 +19,6 @@ Model = Identification | SavedModel | str | Path
 def as_dataset(data: Data) -> Dataset:
     """The dataset itself, or the one loaded from the folder. Raises BenchError naming what is wrong with it."""
     return data if isinstance(data, Dataset) else load_dataset(data)
-
-
-def as_model(model: SavedModel | str | Path) -> SavedModel:
-    """The saved model itself, or the one loaded from the file. Raises BenchError naming what is wrong with it."""
-    return model if isinstance(model, SavedModel) else load_model(Path(model))
 
 
 def dataset_behind(dataset: Dataset, result: Identification) -> Dataset:

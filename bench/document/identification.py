@@ -88,8 +88,8 @@ def effects_table(result: Identification, truth: Truth | None = None) -> Table:
 def errors_table(
     series: Sequence[CurrentSeries], joints: Sequence[str], noise: tuple[Sequence[float], float] | None = None
 ) -> Table:
-    """Length of every recording, and its errors of the modelled current by motor, with totals of the fitted and of the
-    other recordings.
+    """Length of every recording, and its errors of the modelled current by motor, with totals of the fitted and the
+    others.
 
     noise: relative, by motor and of all motors together.
     """

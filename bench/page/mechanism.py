@@ -31,7 +31,7 @@ def mechanism(
 ) -> dict[str, Any]:
     """A robot's bodies in a recording, with closed loops, and its tool's path with the error of a model, 0 to 1.
 
-    series: of the model in this recording; simulated: a twin to draw with it. Raises BenchError if a sample is out of
+    series: of the model in this recording; simulated: a twin to draw with it. Raises BenchError for a sample out of
     reach.
     """
     mjcf = data.robot.mjcf_model()

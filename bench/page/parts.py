@@ -79,7 +79,6 @@ class Text:
     title: str
     paragraphs: tuple[str, ...]
     aid: str = ""
-    folded: bool = False
     type: Literal["text"] = "text"
 
 
@@ -90,7 +89,6 @@ class Commands:
     title: str
     aid: str
     lines: tuple[str, ...]
-    folded: bool = False
     type: Literal["commands"] = "commands"
 
 
@@ -150,7 +148,6 @@ class Figure:
     choices: tuple[Choice, ...]
     variants: Mapping[str, Variant]
     printed: tuple[str, ...]
-    folded: bool = False
     type: Literal["figure"] = "figure"
 
 
@@ -176,7 +173,6 @@ class Runs:
     columns: tuple[RunsColumn, ...]
     failed: Mapping[str, str]
     command: str
-    folded: bool = False
     type: Literal["runs"] = "runs"
 
 
@@ -188,7 +184,6 @@ class Mechanism:
     aid: str
     recording: str
     data: Mapping[str, Any]
-    folded: bool = False
     type: Literal["mechanism"] = "mechanism"
 
 

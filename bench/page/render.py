@@ -42,9 +42,9 @@ class Workbench:
     after: str = "ranking"
 
 
-def asset(name: str) -> str:
+def asset(name: str, folder: Path = ASSETS) -> str:
     """The text of one of the page's files."""
-    return (ASSETS / name).read_text(encoding="utf-8")
+    return (folder / name).read_text(encoding="utf-8")
 
 
 def render_page(page: Page, workbench: Workbench | None = None) -> str:

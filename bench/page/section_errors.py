@@ -81,8 +81,7 @@ def shown_model(
 ) -> ShownModel:
     """Find where a model's errors are. problem: with the dataset of the model's series.
 
-    has: the model's effects; if given, other effects that would leave such errors are named. name, label: see
-    `ShownModel`.
+    has: the model's effects; if given, others that would leave such errors are named. name, label: see `ShownModel`.
     """
     dataset = dataset_of(problem.dataset, model.recordings)
     what = compared(dataset.robot, dataset.recordings, model.recordings, settings)

@@ -119,12 +119,9 @@ def _title(result: SweepResult) -> str:
 def _verdict(result: SweepResult) -> tuple[str, ...]:
     """Up to three sentences: how many runs gave a result, the first metric over all runs, and its extremes."""
     all_runs = result.overall
-    ended = all_runs.runs - all_runs.failed
-    about = result.plan.sweep.table.description.rstrip(".")
-    said = [
-        f"{about or result.name}: {plural(all_runs.runs, 'run')}, "
-        + ("all came to an answer." if not all_runs.failed else f"{ended} came to an answer.")
-    ]
+    ended = str(all_runs.runs - all_runs.failed) if all_runs.failed else "all"
+    about = result.plan.sweep.table.description.rstrip(".") or result.name
+    said = [f"{about}: {plural(all_runs.runs, 'run')}, {ended} came to an answer."]
     metrics = [metric for metric in result.metrics if all_runs.spreads[metric].count]
     if not metrics:
         return (*said, "None of the metrics asked for was recorded.")
@@ -228,11 +225,8 @@ def _spread_text(metric: str, spread: Spread) -> str:
 
 
 def _runs_section(result: SweepResult) -> Section:
-    numbers = [
-        metric
-        for metric in result.metrics
-        if not is_share(metric) and result.overall.spreads[metric].count > 1
-    ]
+    spreads = result.overall.spreads
+    numbers = [metric for metric in result.metrics if not is_share(metric) and spreads[metric].count > 1]
     lead = "How the metrics spread over all runs, whatever was varied."
     if not numbers:
         return sentences_section("spread", "All runs together", ["One run only."], short="All runs")

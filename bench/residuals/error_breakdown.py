@@ -28,25 +28,6 @@ class Branch:
     error: np.ndarray
 
 
-@dataclass(frozen=True)
-class RecordingError:
-    """RMS of the error and of the current noise over that of the measured current, in one recording."""
-
-    recording: str
-    payload: str | None
-    error: float
-    noise: float
-
-
-@dataclass(frozen=True)
-class RegionShares:
-    """The share of a part of the motion in the squared error and in time."""
-
-    region: str
-    error: float
-    time: float
-
-
 @dataclass(frozen=True, eq=False)
 class ErrorBreakdown:
     """The errors of one motor in all recordings together. current, unit: of its current and position, as "A", "rad"."""
@@ -107,14 +88,9 @@ class ErrorBreakdown:
         )
 
     @cached_property
-    def by_recording(self) -> tuple[RecordingError, ...]:
-        """Each recording separately."""
-        return tuple(
-            RecordingError(
-                trace.recording, trace.payload, relative_error_of([trace]) or 0.0, relative_noise([trace])
-            )
-            for trace in self.series
-        )
+    def by_recording(self) -> tuple[tuple[float, float], ...]:
+        """Of each of `series`, RMS of the error and of the current noise over that of the measured current."""
+        return tuple((relative_error_of([trace]) or 0.0, relative_noise([trace])) for trace in self.series)
 
     @cached_property
     def opposing(self) -> tuple[tuple[str, Opposing], ...]:
@@ -126,12 +102,10 @@ class ErrorBreakdown:
         )
 
     @cached_property
-    def shares(self) -> tuple[RegionShares, ...]:
-        """Shares of the squared error, by parts of the motion."""
-        candidates = [
-            region for region in regions(self.series, self.unit, self.current) if region.where.of_motion
-        ]
-        return tuple(RegionShares(region.where.name, *shares(self.series, region)) for region in candidates)
+    def shares(self) -> Mapping[str, tuple[float, float]]:
+        """By part of the motion, its shares in the squared error and in time."""
+        parts = regions(self.series, self.unit, self.current)
+        return {part.where.name: shares(self.series, part) for part in parts if part.where.of_motion}
 
     @cached_property
     def spectrum(self) -> Spectrum:

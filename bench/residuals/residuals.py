@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from bench.effects import Effect
 from bench.identification.decision import RULE
@@ -20,8 +21,8 @@ class MotorErrors:
 
     units: of current and position, as in ("A", "rad"). error, noise: relative to the measured current, all recordings
     together; by_recording: both of each, by name. autocorrelation_time: s over which errors correlate. above_noise:
-    whether there is more than noise; else concentrations, dependences, lines and changes are empty. alike: effects that
-    leave such errors.
+    whether there is more than noise; else concentrations, dependences, lines and changes are empty. alike: effects with
+    such errors.
     """
 
     joint: str
@@ -64,12 +65,10 @@ def _of_motor(what: Compared, joint: str, possible: Mapping[str, Effect], has: S
     current, unit = what.units[joint]
     error, noise = relative_error_of(series) or 0.0, relative_noise(series)
     above = error > RULE.beyond_noise * noise
-    patterns = (
-        tuple(concentrations(series, regions(series, unit, current))) if above else (),
-        tuple(dependences(series)) if above else (),
-        tuple(lines(series)) if above else (),
-        tuple(changes(series)) if above else (),
-    )
+    patterns: tuple[Any, Any, Any, Any] = ((), (), (), ())
+    if above:
+        places = concentrations(series, regions(series, unit, current))
+        patterns = tuple(places), tuple(dependences(series)), tuple(lines(series)), tuple(changes(series))
     return MotorErrors(
         joint=joint,
         units=what.units[joint],

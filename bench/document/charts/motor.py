@@ -80,17 +80,16 @@ def reversals_chart(errors: ErrorBreakdown) -> Chart:
 
 def recordings_chart(errors: ErrorBreakdown) -> Chart:
     """Error of every recording, and noise of its current, both relative to the current."""
-    recordings = errors.by_recording
     names = tuple(
-        recording.recording.removesuffix(".csv").removesuffix(".parquet")
-        + (f", {recording.payload}" if recording.payload else "")
-        for recording in recordings
+        trace.recording.removesuffix(".csv").removesuffix(".parquet")
+        + (f", {trace.payload}" if trace.payload else "")
+        for trace in errors.series
     )
     return _bars(
         ("By recording and payload", "error of the current", "grey: noise of the current"),
         names,
-        ("error", [recording.error for recording in recordings]),
-        ("noise of the current", [recording.noise for recording in recordings]),
+        ("error", [error for error, _ in errors.by_recording]),
+        ("noise of the current", [noise for _, noise in errors.by_recording]),
         "A prominent recording or payload differs from the others.",
     )
 
@@ -113,12 +112,11 @@ def opposing_chart(errors: ErrorBreakdown) -> Chart:
 
 def shares_chart(errors: ErrorBreakdown) -> Chart:
     """Share of the squared error in each part of the motion, and that part's share of the time."""
-    regions = errors.shares
     return _bars(
         ("Where the squared error lies", "share", "grey: share of the time"),
-        tuple(region.region for region in regions),
-        ("of the squared error", [region.error for region in regions]),
-        ("of the time", [region.time for region in regions]),
+        tuple(errors.shares),
+        ("of the squared error", [error for error, _ in errors.shares.values()]),
+        ("of the time", [time for _, time in errors.shares.values()]),
         "A bar far longer than the grey one: the error is concentrated there.",
     )
 

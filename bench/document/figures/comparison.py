@@ -32,7 +32,7 @@ def current_figure(result: Identification) -> Figure:
     """Measured and modelled current of every motor, with the error below; one block for each recording.
 
     The band around zero is ± one standard deviation of the errors on the fitted recordings; the error has gaps where a
-    joint does not move.
+    joint rests.
     """
     joints = list(result.joints)
     spread = error_std(result)

@@ -235,21 +235,17 @@ def _against(name: str, charts: Mapping[str, Chart], head: str | None) -> PaperF
     for joint, chart in charts.items():
         x, error = head or chart.x.title, chart.y.title
         for series in _binned(chart):
-            drawn = points_of(series)
             columns: Columns = {
                 "direction": [series.name] * len(series.mean),
                 x: series.center.tolist(),
                 f"mean {error}": series.mean.tolist(),
                 f"standard deviation [{chart.y.unit}]": series.spread.tolist(),
-                "rows": [float(count) for count in series.count],
+                "rows": series.count.astype(float).tolist(),
             }
             means.append(_of_motor(joint, columns))
-            columns = {
-                "direction": [series.name] * len(drawn),
-                x: series.x[drawn].tolist(),
-                error: series.y[drawn].tolist(),
-            }
-            points.append(_of_motor(joint, columns))
+            drawn = points_of(series)
+            columns = {"direction": [series.name] * len(drawn), x: series.x[drawn].tolist()}
+            points.append(_of_motor(joint, {**columns, error: series.y[drawn].tolist()}))
     return PaperFigure(name, _panels(charts, CLOUD), {"": _joined(means), "_points": _joined(points)})
 
 
