@@ -10,7 +10,7 @@ from bench.cli.options import (
     dataset_argument,
     effect_file_option,
     filter_options,
-    path_option,
+    output_option,
     with_option,
 )
 from bench.cli.options import effects as effect_names
@@ -26,12 +26,8 @@ WIDEN, RATE = 1.0, 1000.0
 @dataset_argument
 @click.argument("effect_a", metavar="EFFECT_A", shell_complete=effect_names)
 @click.argument("effect_b", metavar="EFFECT_B", shell_complete=effect_names)
-@path_option(
-    "-o",
-    "--output",
-    required=True,
-    metavar="DIR",
-    help="Folder for the trajectory, its coefficients, a summary and a picture.",
+@output_option(
+    "Folder for the trajectory, its coefficients, a summary and a picture.", required=True, callback=None
 )
 @with_option
 @effect_file_option

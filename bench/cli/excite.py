@@ -6,7 +6,15 @@ from typing import Any
 import click
 
 from bench.cli.last_lines import next_line, say, wrote
-from bench.cli.options import effect_file_option, in_existing_folder, path_option, positive, rate, with_option
+from bench.cli.options import (
+    effect_file_option,
+    in_existing_folder,
+    output_option,
+    path_option,
+    positive,
+    rate,
+    with_option,
+)
 from bench.cli.options import effects as effect_names
 from bench.cli.options import robots as robot_names
 from bench.cli.progress import quiet_option, shown_progress
@@ -25,12 +33,8 @@ def _share(text: str) -> float:
 
 @click.command("excite")
 @click.argument("robot", shell_complete=robot_names)
-@path_option(
-    "-o",
-    "--output",
-    required=True,
-    metavar="DIR",
-    help="Folder for tables, coefficients, a scenario, pictures and the forecast.",
+@output_option(
+    "Folder for tables, coefficients, a scenario, pictures and the forecast.", required=True, callback=None
 )
 @click.option(
     "--for",

@@ -130,11 +130,10 @@ def _of_sweep(folder: Path, runs: Sequence[int], with_truth: bool) -> list[Viewe
         again = run_again(folder, plan, number)
         dataset, run = as_dataset(again.simulation), again.run
         filters = again.simulation.scenario.settings.filter.model_dump(exclude_none=True)
-        options = {key: run.identify[key] for key in ("deviations", "essential")}
-        prepared = prepare(
-            problem_of(dataset, run.identify["effects"], filters, fit_gains=run.identify["fit_gains"])
-        )
-        result = fit(prepared, run.identify["method"], **options)
+        asked = run.identify
+        prepared = prepare(problem_of(dataset, asked["effects"], filters, fit_gains=asked["fit_gains"]))
+        options = {key: asked[key] for key in ("deviations", "essential")}
+        result = fit(prepared, asked["method"], **options)
         context = _context(dataset, result, text=f"**{again.title}**", truth=False)
         if with_truth:
             known, values = known_to(again.simulation, dataset.robot)

@@ -135,9 +135,9 @@ def as_folder(_context: click.Context, option: click.Parameter, folder: Path | N
     return folder
 
 
-def output_option(help_text: str) -> Callable[[Command], Command]:
-    """The option for the output folder of a command."""
-    return path_option("-o", "--output", metavar="DIR", callback=as_folder, help=help_text)
+def output_option(help_text: str, **more: Any) -> Callable[[Command], Command]:
+    """The option for the output folder of a command. more: see `click.option`."""
+    return path_option("-o", "--output", help=help_text, **{"metavar": "DIR", "callback": as_folder, **more})
 
 
 json_option = path_option(

@@ -9,10 +9,11 @@ from bench.basics.progress import Progress
 from bench.cli.last_lines import say, wrote
 from bench.cli.options import (
     Asked,
+    data_option,
     effect_file_option,
     file_or_folder,
     filter_options,
-    path_option,
+    output_option,
     with_option,
 )
 from bench.cli.progress import quiet_option, shown_progress
@@ -25,20 +26,14 @@ if TYPE_CHECKING:
 
 @click.command("report")
 @click.argument("source", metavar="DIR_OR_MODEL", type=click.Path(path_type=Path))
-@path_option(
-    "-o",
-    "--output",
+@output_option(
+    "The file to write.",
     default=Path("report.html"),
     show_default=True,
     metavar="FILE.html",
     callback=file_or_folder,
-    help="The file to write.",
 )
-@path_option(
-    "--data",
-    metavar="DATASET",
-    help="The recordings to show a model with. [default: those it was identified from]",
-)
+@data_option
 @with_option
 @effect_file_option
 @filter_options

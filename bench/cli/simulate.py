@@ -6,13 +6,13 @@ import click
 
 from bench.basics.plural import plural
 from bench.cli.last_lines import next_line, say, wrote
-from bench.cli.options import path_option, scenarios
+from bench.cli.options import output_option, scenarios
 from bench.cli.progress import quiet_option, shown_progress
 
 
 @click.command("simulate")
 @click.argument("scenario", shell_complete=scenarios)
-@path_option("-o", "--output", required=True, metavar="DIR", help="Dataset folder to write.")
+@output_option("Dataset folder to write.", required=True, callback=None)
 @click.option("--seed", type=int, help="Seed for gains and noise, instead of the scenario's.")
 @click.option("--overwrite", is_flag=True, help="Replace an existing dataset in DIR.")
 @quiet_option
@@ -47,13 +47,8 @@ def simulate(scenario: str, output: Path, seed: int | None, overwrite: bool, qui
 
 
 @click.command("demo")
-@path_option(
-    "-o",
-    "--output",
-    default=Path("results/demo"),
-    show_default=True,
-    metavar="DIR",
-    help="Folder for data, model and pictures.",
+@output_option(
+    "Folder for data, model and pictures.", default=Path("results/demo"), show_default=True, callback=None
 )
 @click.option(
     "--scenario", shell_complete=scenarios, default="five_bar", show_default=True, help="What to simulate."

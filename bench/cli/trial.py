@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from bench.cli.last_lines import say, wrote
-from bench.cli.options import as_folder, path_option, robots, scheduler_option, workers_option
+from bench.cli.options import output_option, robots, scheduler_option, workers_option
 from bench.cli.progress import quiet_option, shown_progress
 
 
@@ -41,15 +41,7 @@ from bench.cli.progress import quiet_option, shown_progress
 @click.option(
     "--duration", type=click.FloatRange(2.0), metavar="S", help="Duration of each designed motion, s."
 )
-@path_option(
-    "-o",
-    "--output",
-    default=Path("trial"),
-    show_default=True,
-    metavar="DIR",
-    callback=as_folder,
-    help="Folder of the results.",
-)
+@output_option("Folder of the results.", default=Path("trial"), show_default=True)
 @workers_option
 @scheduler_option
 @quiet_option

@@ -68,10 +68,9 @@ def drop_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[
             if not set(ends) & set(values):
                 continue
             if equality.active:
-                travels = [
-                    values[name] - _reference(plain, name) if name in values else None for name in ends
-                ]
-                _check_equality(plain, label, ends, travels, Polynomial(np.array(equality.data[:POWERS])))
+                held_at = [values.get(name) for name in ends]
+                law = Polynomial(np.array(equality.data[:POWERS]))
+                _check_equality(plain, label, ends, held_at, law)
         else:
             continue
         spec.delete(equality)
@@ -96,12 +95,11 @@ def _moved_with(plain: mujoco.MjModel, body: int, held: set[int]) -> int:
 
 
 def _check_equality(
-    plain: mujoco.MjModel, label: str, ends: list[str], travels: list[float | None], law: Polynomial
+    plain: mujoco.MjModel, label: str, ends: list[str], values: list[float | None], law: Polynomial
 ) -> None:
-    """Raise BenchError unless the locked joints satisfy an equality and it ties no other joint.
-
-    travels: of the locked joints from qpos0; None for a joint that is not locked.
-    """
+    """Raise BenchError unless the locked joints satisfy an equality and it ties no other. values: None: not locked."""
+    homes = [_reference(plain, name) for name in ends]
+    travels = [None if value is None else value - home for value, home in zip(values, homes, strict=True)]
     first, second = (*travels, 0.0)[:2]
     if law.trim().degree() == 0:
         second = 0.0  # the equality fixes the first joint, independently of the second
@@ -111,15 +109,13 @@ def _check_equality(
         travel = min((root.real for root in roots if abs(root.imag) < AGREE), key=abs, default=None)
         if travel is None:
             raise BenchError(f"equality {label!r}: no position of {free!r} allows this one of {other!r}")
-        at = float(travel) + _reference(plain, free)
+        at = float(travel) + homes[1]
         raise BenchError(f"equality {label!r} ties {free!r} to {other!r}: lock it too, {free} = {at:.10g}")
-    at = float(law(second or 0.0)) + _reference(plain, ends[0])
+    at, free = float(law(second or 0.0)) + homes[0], ends[0]
     if first is None:
-        raise BenchError(
-            f"equality {label!r} ties {ends[0]!r} to {ends[1]!r}: lock it too, {ends[0]} = {at:.10g}"
-        )
-    if abs(first + _reference(plain, ends[0]) - at) > AGREE:
-        raise BenchError(f"equality {label!r} holds {ends[0]!r} at {at:.10g}: lock it there")
+        raise BenchError(f"equality {label!r} ties {free!r} to {ends[1]!r}: lock it too, {free} = {at:.10g}")
+    if abs(first + homes[0] - at) > AGREE:
+        raise BenchError(f"equality {label!r} holds {free!r} at {at:.10g}: lock it there")
 
 
 def shorten_tendons(
@@ -134,9 +130,8 @@ def shorten_tendons(
     empty: set[str] = set()
     for tendon in list(spec.tendons):
         path = [tendon.path[i] for i in range(len(tendon.path))]
-        joints = [
-            (wrap.target.name, float(wrap.coef)) for wrap in path if wrap.type == mujoco.mjtWrap.mjWRAP_JOINT
-        ]
+        on_joints = (wrap for wrap in path if wrap.type == mujoco.mjtWrap.mjWRAP_JOINT)
+        joints = [(wrap.target.name, float(wrap.coef)) for wrap in on_joints]
         held = [(name, factor) for name, factor in joints if name in values]
         if not held:
             continue

@@ -36,7 +36,7 @@ def faults_of(
         return faults
     fault = time_fault(time)
     if fault is not None:
-        cure = f"; {_between_gaps(time)}" if fault.gap else _imported(fault.remedy)
+        cure = f"; {_between_gaps(time)}" if fault.remedy is Remedy.CUT_AT_GAPS else _imported(fault.remedy)
         said = f"{table.place('time', fault.row)}: {fault.what}"
         faults.append(RecordingFaultError(said, cure, fault.remedy, column="time"))
     if fault is not None and fault.row is None and fault.remedy not in SECONDS:
@@ -89,7 +89,7 @@ def faults_in(
 ) -> list[Fault]:
     """The findings in a log; with cuts, in its longest stretch; with a wrong unit of time, at the corrected rate."""
     start, stop = 0, time.size
-    if fault is not None and fault.in_pieces:
+    if fault is not None and fault.remedy in (Remedy.CUT_AT_GAPS, Remedy.CUT_WHERE_BACK):
         pieces = pairwise([0, *cut_rows(time).tolist(), time.size])
         start, stop = max(pieces, key=lambda piece: piece[1] - piece[0])
     step = float(np.median(np.abs(np.diff(time[start:stop]))))

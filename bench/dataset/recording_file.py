@@ -36,7 +36,7 @@ def load_recordings(
     recordings = [recording_from_table(part, name, use, payload, joints, accept) for part in parts]
     if window == WHOLE:
         return recordings
-    started = window.began(table)
+    started = float(np.nanmin(table.stamps()))
     if len(recordings) == 1:
         return [replace(recordings[0], started=started)]
     parted = []
@@ -69,21 +69,18 @@ def recording_from_table(
         raise faults[0].among(tuple(faults[1:]))
     time = table.numbers("time")
     signals = np.column_stack([table.numbers(column) for column in columns])
-    extra = {
-        c: table.numbers(c) for c in table.columns if c and c not in ("time", *columns) and table.is_plain(c)
-    }
+    others = [column for column in table.columns if column and column not in ("time", *columns)]
+    extra = {column: table.numbers(column) for column in others if table.is_plain(column)}
     n = len(joints)
     repeated = repeated_rows(signals[:, :n], signals[:, n:])
     held = float(repeated.mean())
     time, position, current, extra = on_uniform_grid(time, signals[:, :n], signals[:, n:], extra, repeated)
     first = n - sum(joint.redundant for joint in joints)
-    if first == n:
-        return Recording(name, use, payload, time, position, current, extra, held=held)
-    extra |= {position_column(joints[j].name): position[:, j] for j in range(first, n)}
-    positions, currents = (np.ascontiguousarray(values[:, :first]) for values in (position, current))
-    return Recording(
-        name, use, payload, time, positions, currents, extra, redundant=current[:, first:], held=held
-    )
+    redundant = current[:, first:] if first < n else None
+    if first < n:
+        extra |= {position_column(joints[j].name): position[:, j] for j in range(first, n)}
+        position, current = (np.ascontiguousarray(values[:, :first]) for values in (position, current))
+    return Recording(name, use, payload, time, position, current, extra, redundant=redundant, held=held)
 
 
 def _check_columns(table: FileTable, needed: Sequence[str]) -> None:

@@ -130,9 +130,7 @@ def load_robot(robot: str | Path, relative_to: Path | None = None) -> Robot:
     model_path = description.parent / table.model
     if not model_path.is_file():
         raise BenchError(f"{description}: model: there is no file {model_path}")
-    actuators = tuple(
-        Actuator(motor.name, motor.gain, motor.gain_unit, motor.drives) for motor in table.actuators
-    )
+    actuators = tuple(Actuator(part.name, part.gain, part.gain_unit, part.drives) for part in table.actuators)
     locked = _locked(description, actuators, table.locked, model_path) if table.locked else ()
     actuators, independent = _checked(description, actuators, table.tool, model_path, locked)
     return Robot(
@@ -310,30 +308,25 @@ def _checked(
     checked: list[Actuator] = []
     seen: dict[str, int] = {}
     for i, actuator in enumerate(actuators):
-        key = f"{description}: actuators[{i}]"
-        if actuator.joint in seen:
+        key, name = f"{description}: actuators[{i}]", actuator.joint
+        if name in seen:
+            raise BenchError(f"{key}.joint: {name!r} is already driven by actuators[{seen[name]}]")
+        seen[name] = i
+        if name not in joint_names:
+            known = ", ".join(joint for joint in joint_names if joint) or "none with a name"
+            raise BenchError(f"{key}.joint: {model_path.name} has no joint {name!r} (it has: {known})")
+        effort = units.get(int(model.joint(name).type[0]))
+        if effort is None:
             raise BenchError(
-                f"{key}.joint: {actuator.joint!r} is already driven by actuators[{seen[actuator.joint]}]"
+                f"{key}.joint: {name!r} is a ball or free joint; a motor drives a hinge or slide"
             )
-        seen[actuator.joint] = i
-        if actuator.joint not in joint_names:
-            known = ", ".join(name for name in joint_names if name) or "none with a name"
-            raise BenchError(
-                f"{key}.joint: {model_path.name} has no joint {actuator.joint!r} (it has: {known})"
-            )
-        kind = int(model.joint(actuator.joint).type[0])
-        if kind not in units:
-            raise BenchError(
-                f"{key}.joint: {actuator.joint!r} is a ball or free joint; a motor drives a hinge or slide"
-            )
-        unit = TORQUE_LOGS[units[kind]] if actuator.gain_unit == "1" else actuator.gain_unit
+        given = actuator.gain_unit
+        unit = TORQUE_LOGS[effort] if given == "1" else given
         checked.append(replace(actuator, gain_unit=unit))
-        if unit.split("/")[0] != units[kind]:
-            noun = "slide" if units[kind] == SLIDE.effort else "hinge"
-            allowed = f'"{units[kind]}/A" or "{units[kind]}/V", or "1" for a log of torques'
-            raise BenchError(
-                f"{key}.gain_unit: {actuator.joint!r} is a {noun}: {allowed}, got {actuator.gain_unit!r}"
-            )
+        if unit.split("/")[0] != effort:
+            noun = "slide" if effort == SLIDE.effort else "hinge"
+            allowed = f'"{effort}/A" or "{effort}/V", or "1" for a log of torques'
+            raise BenchError(f"{key}.gain_unit: {name!r} is a {noun}: {allowed}, got {given!r}")
     try:
         independent = independent_motors(model, list(seen)) if model.neq else tuple(seen)
     except BenchError as error:

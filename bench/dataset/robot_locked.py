@@ -39,12 +39,11 @@ def locked_joints(plain: mujoco.MjModel, values: Mapping[str, float]) -> tuple[L
         int(mujoco.mjtJoint.mjJNT_SLIDE): "m",
     }
     names = [plain.joint(i).name for i in range(plain.njnt)]
+    known = [name for name in names if name]
     locked = []
     for name, value in values.items():
         if name not in names:
-            raise BenchError(
-                f"no joint {name!r}: {meant(name, [known for known in names if known], 'the MJCF has')}"
-            )
+            raise BenchError(f"no joint {name!r}: {meant(name, known, 'the MJCF has')}")
         joint = names.index(name)
         unit = units.get(int(plain.jnt_type[joint]))
         if unit is None:

@@ -104,9 +104,7 @@ def _equality(model: mujoco.MjModel, index: int) -> str:
 
 def _still_ends(model: mujoco.MjModel, equalities: Sequence[int]) -> list[str]:
     """Bodies in these closures that neither move nor carry a moving body: platforms without a joint."""
-    carrying = {
-        body for body in range(1, model.nbody) if model.body_weldid[body] and model.body_mocapid[body] < 0
-    }
+    carrying = set(np.flatnonzero((model.body_weldid > 0) & (model.body_mocapid < 0)).tolist())
     for body in range(model.nbody - 1, 0, -1):  # a parent has a lower number than its children
         if body in carrying:
             carrying.add(int(model.body_parentid[body]))

@@ -145,9 +145,7 @@ def _motors(model: mujoco.MjModel) -> Iterator[MotorPart]:
     on_joint, on_tendon = int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_TENDON)
     acts = set(zip(model.actuator_trntype.tolist(), model.actuator_trnid[:, 0].tolist(), strict=True))
     joints = {j: efforts[kind] for j, kind in enumerate(model.jnt_type.tolist()) if kind in efforts}
-    tendons = {
-        t: effort for t in range(model.ntendon) if (effort := _tendon_effort(model, t, joints)) is not None
-    }
+    tendons = {t: effort for t in range(model.ntendon) if (effort := _tendon_effort(model, t, joints))}
     for j, effort in joints.items():
         yield MotorPart(model.joint(j).name, "joint", effort, (on_joint, j) in acts)
     for t, effort in tendons.items():

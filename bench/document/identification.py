@@ -153,11 +153,8 @@ def _quantities(quantities: Sequence[Quantity]) -> list[Column]:
     unit = Column("unit", [quantity.unit for quantity in quantities], "unit")
     if all(quantity.std == 0.0 for quantity in quantities):
         return [Column("value", [quantity.value for quantity in quantities], "number"), unit]
-    return [
-        Column("value ± std", quantities, "quantity"),
-        Column("rel. std", quantities, "deviation", rank=1),
-        unit,
-    ]
+    deviations = Column("rel. std", quantities, "deviation", rank=1)
+    return [Column("value ± std", quantities, "quantity"), deviations, unit]
 
 
 def _truth(quantities: Sequence[Quantity], keys: Sequence[str], truth: Truth | None) -> list[Column]:
@@ -167,9 +164,7 @@ def _truth(quantities: Sequence[Quantity], keys: Sequence[str], truth: Truth | N
         return []
     pairs = list(zip(quantities, known, strict=True))
     return [
-        Column("truth", ["" if t is None else replace(quantity, value=t) for quantity, t in pairs], "true"),
-        Column("off by", ["" if t is None else off_by(quantity, t) for quantity, t in pairs], "change"),
-        Column(
-            "in std", ["" if t is None else deviations_away(quantity, t) for quantity, t in pairs], "sigma"
-        ),
+        Column("truth", ["" if t is None else replace(value, value=t) for value, t in pairs], "true"),
+        Column("off by", ["" if t is None else off_by(value, t) for value, t in pairs], "change"),
+        Column("in std", ["" if t is None else deviations_away(value, t) for value, t in pairs], "sigma"),
     ]

@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import asdict
 from http import HTTPStatus
 from pathlib import Path
+from time import localtime, strftime
 from typing import Any
 
 import uvicorn
@@ -23,7 +24,7 @@ from bench.basics.errors import BenchError
 from bench.basics.plain_data import finite
 from bench.basics.progress import SILENT
 from bench.dataset.names import DATASET_FILE, RUN_FILE
-from bench.local.folder import LARGEST, Folder, said_time, take, zip_dataset
+from bench.local.folder import LARGEST, Folder, take, zip_dataset
 from bench.local.guard import REPORT_POLICY
 from bench.local.jobs import Jobs
 from bench.local.steps import command_of
@@ -158,8 +159,9 @@ class Pages:
         answer, root = asdict(entry), self.folder.root
         written = {run: root / run / RUN_FILE for run in entry.runs}
         written |= {model: root / model for model in entry.models}
-        in_time = sorted(written, key=lambda path: (written[path].stat().st_mtime, path))
-        answer["runs"] = [{"path": path, "time": said_time(written[path])} for path in in_time]
+        in_time = sorted((file.stat().st_mtime, path) for path, file in written.items())
+        form = "%Y-%m-%d %H:%M"
+        answer["runs"] = [{"path": path, "time": strftime(form, localtime(when))} for when, path in in_time]
         answer |= {"root": str(root), "name": root.name, "start": self.start}
         answer["named_robots"] = [str(path) for path in self.folder.robots]
         answer["free"] = self.folder.free(NEW_DATASET)

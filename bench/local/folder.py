@@ -3,7 +3,6 @@
 import filecmp
 import os
 import re
-import time
 import zipfile
 from collections.abc import AsyncIterator, Iterator
 from dataclasses import dataclass, field, replace
@@ -98,10 +97,11 @@ class Folder:
 
     def free(self, stem: str) -> str:
         """A name that no file or folder and no results have: the stem, or the stem with a number."""
-        names = (stem if number == 1 else f"{stem}_{number}" for number in count(1))
-        return next(
-            name for name in names if not any((self.root / f"{name}{end}").exists() for end in ("", RESULTS))
-        )
+        for number in count(1):
+            path = self.root / (stem if number == 1 else f"{stem}_{number}")
+            if not path.exists() and not path.with_name(f"{path.name}{RESULTS}").exists():
+                break
+        return path.name
 
     def word(self, path: Path) -> str:
         """A path as an argument of a command: relative to where the server was started, or absolute."""
@@ -176,11 +176,6 @@ def _is_mjcf(path: Path) -> bool:
             return MJCF in file.read(BEGINNING)
     except OSError:
         return False
-
-
-def said_time(path: Path) -> str:
-    """When a file was written, in local time."""
-    return time.strftime("%Y-%m-%d %H:%M", time.localtime(path.stat().st_mtime))
 
 
 STARTS: dict[str, tuple[bytes, ...]] = {

@@ -1,7 +1,6 @@
 """Access control of the server: only a browser on this machine that has the address with its token."""
 
 import hmac
-import secrets
 from collections.abc import Collection
 
 from starlette.datastructures import Headers, MutableHeaders
@@ -26,11 +25,6 @@ HEADERS = {
     "referrer-policy": "no-referrer",  # the token is part of the address
     "x-content-type-options": "nosniff",
 }
-
-
-def new_token() -> str:
-    """A random token that cannot be guessed."""
-    return secrets.token_urlsafe(24)
 
 
 class Guard:

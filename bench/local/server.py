@@ -1,6 +1,7 @@
 """Serve the page at the loopback address until interrupted."""
 
 import os
+import secrets
 import socket
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from bench.basics.errors import BenchError
 from bench.dataset.names import DATASET_FILE
 from bench.local.app import EndingServer, Pages, answered_at_the_end, application
 from bench.local.folder import Folder
-from bench.local.guard import LOOPBACK, Guard, new_token
+from bench.local.guard import LOOPBACK, Guard
 from bench.local.jobs import Jobs
 from bench.local.worker import Home, Worker
 
@@ -61,7 +62,7 @@ def serve(asked: Opened, functions: Mapping[str, Home], ready: Callable[[str], N
     commander, looker = Worker(functions), Worker(LOOKS)
     with _listening(asked.port) as listener:
         port = listener.getsockname()[1]
-        token = new_token()
+        token = secrets.token_urlsafe(24)
         pages = Pages(asked.folder, Jobs(commander), looker, asked.start, asked.command)
         app = answered_at_the_end(Guard(application(pages), token, port))
         config = uvicorn.Config(

@@ -71,9 +71,8 @@ def read_series(
     recording = np.asarray(table["recording"].cast(pa.string()), dtype=str)
     if set(recording.tolist()) != {logged.name for logged in dataset.recordings}:
         raise BenchError(f"{path}: of other recordings than this result")
-    values = {
-        kind: np.column_stack([table[f"{kind}.{joint}"].to_numpy() for joint in joints]) for kind in kinds
-    }
+    of_joints = {kind: [table[f"{kind}.{joint}"].to_numpy() for joint in joints] for kind in kinds}
+    values = {kind: np.column_stack(columns) for kind, columns in of_joints.items()}
     time = table["time"].to_numpy()
     models = []
     for k, names in enumerate(effects):

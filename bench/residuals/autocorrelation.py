@@ -72,5 +72,5 @@ def integrated_autocorrelation_time(correlation: np.ndarray) -> float:
 
 def independent_rows(series: Sequence[MotorSeries], values: Sequence[np.ndarray]) -> float:
     """Number of independent rows, for one value per row."""
-    count = sum(len(value) for value in values)
-    return count / integrated_autocorrelation_time(correlations([trace.row for trace in series], values))
+    rows = [trace.row for trace in series]
+    return sum(map(len, values)) / integrated_autocorrelation_time(correlations(rows, values))

@@ -7,13 +7,11 @@ from typing import Literal
 
 import numpy as np
 
-from bench.residuals.autocorrelation import Autocorrelation, autocorrelation
 from bench.residuals.bounds import ERROR_GRID
 from bench.residuals.motor import Compared, MotorSeries, relative_error_of, relative_noise
 from bench.residuals.opposing_motion import Opposing, by_load, over_warm_up
-from bench.residuals.periods import PositionSpectrum, Spectrum, position_spectrum, time_spectrum
 from bench.residuals.profile import Profile, Variable, binned, profile, values_of
-from bench.residuals.regions import regions, shares
+from bench.residuals.regions import OF_DATA, regions, shares
 
 Direction = Literal["forwards", "backwards"]
 
@@ -105,26 +103,9 @@ class ErrorBreakdown:
     def shares(self) -> Mapping[str, tuple[float, float]]:
         """By part of the motion, its shares in the squared error and in time."""
         parts = regions(self.series, self.unit, self.current)
-        return {part.where.name: shares(self.series, part) for part in parts if part.where.of_motion}
-
-    @cached_property
-    def spectrum(self) -> Spectrum:
-        """Over time."""
-        return time_spectrum(self.series)
-
-    @cached_property
-    def over_position(self) -> PositionSpectrum:
-        """Over position."""
-        return position_spectrum(self.series)
-
-    @cached_property
-    def autocorrelation(self) -> Autocorrelation:
-        """Of errors, with the band of chance."""
-        return autocorrelation(self.series)
-
-    def noise_alone(self, x: np.ndarray) -> np.ndarray:
-        """The density of errors that are current noise only, per drive unit."""
-        return np.asarray(np.exp(-0.5 * (x / self.noise) ** 2) / (self.noise * np.sqrt(2.0 * np.pi)))
+        return {
+            part.where.name: shares(self.series, part) for part in parts if part.where.part not in OF_DATA
+        }
 
 
 def error_breakdown(what: Compared, joint: str) -> ErrorBreakdown:

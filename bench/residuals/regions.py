@@ -34,6 +34,9 @@ class RegionKind(StrEnum):
     RECORDING = "recording"
 
 
+OF_DATA = (RegionKind.UNLOADED, RegionKind.PAYLOAD, RegionKind.RECORDING)  # rather than of the motion
+
+
 @dataclass(frozen=True)
 class RegionPlace:
     """A part of the motion by a variable, its bounds in `unit`; subject: the payload or the recording."""
@@ -47,11 +50,6 @@ class RegionPlace:
     def name(self) -> str:
         """As in "low speed" or "recording run.csv"."""
         return f"{self.part} {self.subject}" if self.subject else str(self.part)
-
-    @property
-    def of_motion(self) -> bool:
-        """Whether it is a part of the motion, rather than of all data by payload or recording."""
-        return self.part not in (RegionKind.UNLOADED, RegionKind.PAYLOAD, RegionKind.RECORDING)
 
 
 @dataclass(frozen=True, eq=False)

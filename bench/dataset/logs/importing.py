@@ -7,6 +7,8 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
+import pyarrow as pa
+
 from bench.basics.errors import BenchError, lines_of, refuse
 from bench.basics.files.atomic import atomic_path, write_text_atomically
 from bench.basics.files.recording_fault import Remedy
@@ -152,7 +154,7 @@ def import_logs(
             *(_stale_pieces(spec, requests, names) if replace else []),
         ]
         notes += [(toml, note) for note in said]
-    progress.phase("writing the recordings", sum(part.rows for part in parts))
+    progress.phase("writing the recordings", sum(part.columns["time"].size for part in parts))
     _write(folder, text, parts, progress)
     return Imported(tuple(entries), tuple(notes))
 
@@ -169,7 +171,7 @@ def _parts(
     parts, cuts = cut(file, columns.values, request.use, request.recording, request.cutting)
     faults = [_as_fault(file, line) for line in columns.faults]
     for part in parts:
-        table = FileTable(file, part.table, log.lines, part.first_row, columns.sources)
+        table = FileTable(file, pa.table(dict(part.columns)), log.lines, part.first_row, columns.sources)
         table_faults = faults_of(table, joints, frozenset(request.accept))
         cures = UnitCures(robot, columns, request.log_map.scale, table_faults)
         for fault in once_a_row(table_faults):

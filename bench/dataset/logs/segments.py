@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-import pyarrow as pa
 
 from bench.basics.errors import BenchError
 from bench.basics.files.table import HUGE, SUFFIXES
@@ -31,16 +30,6 @@ class Segment:
     use: Use
     columns: Mapping[str, Array]
     first_row: int = 0
-
-    @property
-    def rows(self) -> int:
-        """Number of samples."""
-        return self.columns["time"].size
-
-    @property
-    def table(self) -> pa.Table:
-        """The columns as a table."""
-        return pa.table({name: pa.array(values) for name, values in self.columns.items()})
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,10 @@ from bench.document.charts.chart import (
     Stems,
 )
 from bench.document.layout import SCREEN
+from bench.residuals.autocorrelation import autocorrelation
 from bench.residuals.bounds import ERROR_GRID
 from bench.residuals.error_breakdown import Branch, ErrorBreakdown
+from bench.residuals.periods import position_spectrum, time_spectrum
 from bench.residuals.profile import Variable
 
 VARIABLES: tuple[Variable, ...] = ("velocity", "position", "acceleration", "current", "time")
@@ -123,7 +125,7 @@ def shares_chart(errors: ErrorBreakdown) -> Chart:
 
 def spectrum_chart(errors: ErrorBreakdown) -> Chart:
     """Spectral density of the error, and of the current's noise."""
-    spectrum = errors.spectrum
+    spectrum = time_spectrum(errors.series)
     density = spectrum.density[1:]
     series: tuple[Series, ...] = (Line("error", "error", spectrum.frequency[1:], density),)
     domain = None
@@ -141,7 +143,7 @@ def spectrum_chart(errors: ErrorBreakdown) -> Chart:
 
 def positions_chart(errors: ErrorBreakdown) -> Chart:
     """Amplitude of the sinusoid over position that fits the error best, against its wave number."""
-    lines = errors.over_position
+    lines = position_spectrum(errors.series)
     curve = Line("error", "error", np.asarray(lines.cycles), np.asarray(lines.amplitude))
     return Chart(
         "Spectrum over position",
@@ -153,9 +155,9 @@ def positions_chart(errors: ErrorBreakdown) -> Chart:
 
 def autocorrelation_chart(errors: ErrorBreakdown) -> Chart:
     """Autocorrelation of the error, with the 95 % band of chance."""
-    autocorrelation = errors.autocorrelation
-    band = Band("95 % of what chance gives", "noise", -autocorrelation.band, autocorrelation.band)
-    stems = Stems("error", "error", np.asarray(autocorrelation.lag), np.asarray(autocorrelation.value))
+    known = autocorrelation(errors.series)
+    band = Band("95 % of what chance gives", "noise", -known.band, known.band)
+    stems = Stems("error", "error", known.lag, known.value)
     return Chart(
         "Autocorrelation",
         Axis("lag", "s"),
@@ -174,7 +176,8 @@ def histogram_chart(errors: ErrorBreakdown) -> Chart:
     series: tuple[Series, ...] = (Histogram("error", "error", edges, share),)
     if errors.noise > 0:
         x = np.linspace(-reach, reach, 10 * SCREEN.histogram_bins)
-        alone = errors.noise_alone(x) * float(edges[1] - edges[0])
+        density = np.exp(-0.5 * (x / errors.noise) ** 2) / (errors.noise * np.sqrt(2.0 * np.pi))
+        alone = density * float(edges[1] - edges[0])
         series = (*series, Line("noise of the current alone", "noise", x, alone))
     domain = (0.7 / count_all, 1.5 * float(share.max()))
     return Chart(

@@ -81,7 +81,7 @@ def without_room(system: PageSystem, ranks: Mapping[str, int]) -> frozenset[str]
 
 def carried_columns(system: PageSystem, without: Collection[str]) -> np.ndarray:
     """Which columns the page has for each motor (n, C): those that are not zero there, except effects in `without`."""
-    kept = system.filled()
+    kept = np.asarray(system.columns.any(axis=0))
     for start, stop, instance in zip(system.starts, system.starts[1:], system.effects, strict=False):
         if instance.name in without:
             kept[:, start:stop] = False
@@ -105,12 +105,12 @@ def thinned(model: DiagnosedModel, system: PageSystem, kept: np.ndarray) -> list
     wanted = BYTES / (2 * sum(len(values) for values in used) * len(lengths))
     step = max(1, int(np.ceil(max(lengths) / min(max(wanted, FEWEST), MOST))))
     samples, start = [], 0
-    for observation in model.plain.observations:
-        rows = start + np.arange(step // 2, len(observation.time), step)
-        edges = np.arange(0, len(observation.time), step)
+    for log in model.plain.observations:
+        count = len(log.time)
+        rows, edges = start + np.arange(step // 2, count, step), np.arange(0, count, step)
         motors = []
         for j, columns in enumerate(used):
-            measured, modelled = observation.current[:, j], (system.measured - system.error)[rows, j]
+            measured, modelled = log.current[:, j], (system.measured - system.error)[rows, j]
             moving = system.moving[rows, j]
             motors.append(
                 {
@@ -122,18 +122,9 @@ def thinned(model: DiagnosedModel, system: PageSystem, kept: np.ndarray) -> list
                     "high": floats(np.maximum.reduceat(measured, edges)[: len(rows)]),
                 }
             )
-        samples.append(
-            {
-                "name": observation.name,
-                "use": observation.use,
-                "payload": observation.payload_name,
-                "rows": len(observation.time),
-                "step": step,
-                "time": floats(observation.time[rows - start]),
-                "motors": motors,
-            }
-        )
-        start += len(observation.time)
+        about = {"name": log.name, "use": log.use, "payload": log.payload_name, "rows": count, "step": step}
+        samples.append({**about, "time": floats(log.time[rows - start]), "motors": motors})
+        start += count
     return samples
 
 
@@ -185,7 +176,7 @@ def page_data(problem: Problem, diagnosis: Diagnosis) -> dict[str, Any]:
         "version": VERSION,
         "robot": robot.name,
         "held_out": diagnosis.held_out,
-        "fits_gains": model.fit_gains,
+        "fits_gains": model.plain.fit_gains,
         "noise_floor": diagnosis.unexplained.noise_floor,
         "motors": [_motor(model, system, kept, j) for j in range(len(robot.actuators))],
         "rows": int(system.fitted.sum()),

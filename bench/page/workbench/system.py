@@ -40,11 +40,6 @@ class DiagnosedModel:
     started: tuple[tuple[str, str], ...]
 
     @property
-    def fit_gains(self) -> bool:
-        """Whether drive gains are unknowns."""
-        return self.plain.fit_gains
-
-    @property
     def effects(self) -> tuple[EffectInstance, ...]:
         """The identified effects, without those that the page does not change."""
         return self.complete.effects[len(self.plain.effects) :]
@@ -155,10 +150,6 @@ class PageSystem:
     moving: np.ndarray
     fitted: np.ndarray
     basis: np.ndarray
-
-    def filled(self) -> np.ndarray:
-        """Which columns are not zero at each motor (n, C)."""
-        return np.asarray(self.columns.any(axis=0))
 
 
 def build(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: Nearby) -> PageSystem:
