@@ -94,12 +94,8 @@ def discriminate(  # noqa: PLR0913, PLR0917 - an argument for each option
             progress=progress,
         )
         progress.phase("writing the motion and its picture")
-        motion = {
-            "duration": duration,
-            "widen": None if widen == WIDEN else widen,
-            "rate": None if rate == RATE else rate,
-            "seed": seed or None,
-        }
+        motion = {"duration": duration, "widen": None if widen == WIDEN else widen}
+        motion |= {"rate": None if rate == RATE else rate, "seed": seed or None}
         run_of = asked.run("discriminate", dataset, {**asked.filters, **motion}, output)
         words = ["bench", "discriminate", str(dataset), effect_a, effect_b, *run_of.option_words()]
         robot_folder = data.robot.folder.resolve()

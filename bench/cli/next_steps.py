@@ -115,15 +115,8 @@ def after_page(source: Source, diagnosis: Diagnosis | None) -> str:
         return next_line(["table", source.path], "summarises it by axis")
     if data is not None:
         target = source.path.with_suffix(".xml")
-        words = [
-            "export",
-            source.path,
-            "--to",
-            "mjcf",
-            "-o",
-            target,
-            *each("--effect-file", source.asked.files),
-        ]
+        files = each("--effect-file", source.asked.files)
+        words = ["export", source.path, "--to", "mjcf", "-o", target, *files]
         return next_line(words, "exports the model to a simulator")
     return next_line(["figures", source.path], "lists figures for papers")
 

@@ -35,15 +35,9 @@ def simulate(scenario: str, output: Path, seed: int | None, overwrite: bool, qui
         simulation = simulation_of(scenario, seed, progress)
         progress.phase("writing the recordings")
         truth = write_simulation(simulation, output)
-    count = len(simulation.recordings)
-    gap = f"loop gap {simulation.loop_gap:.1e} m"
-    say(
-        [
-            wrote(output, f"dataset: {plural(count, 'recording')}, {gap}"),
-            wrote(truth, "truth"),
-            next_line(["compare", output], "fits the model and shows where it fails"),
-        ]
-    )
+    content = f"{plural(len(simulation.recordings), 'recording')}, loop gap {simulation.loop_gap:.1e} m"
+    step = next_line(["compare", output], "fits the model and shows where it fails")
+    say([wrote(output, f"dataset: {content}"), wrote(truth, "truth"), step])
 
 
 @click.command("demo")

@@ -83,13 +83,9 @@ def trial(
 
         table = output / f"{load_robot(robot).name}.parquet"
         pages = [write_trial_report(table, table.with_suffix(".html"))] if table.is_file() else []
-    given: dict[str, Any] = {
-        "effects": effects or None,
-        "kinds": kinds or None,
-        "first": first or None,
-        "discover": discover,
-    }
-    given |= {"scenario": scenario, "duration": duration and f"{duration:g}", "seeds": 2 * seeds}
+    given: dict[str, Any] = {"effects": effects or None, "kinds": kinds or None, "first": first or None}
+    given |= {"discover": discover, "scenario": scenario}
+    given |= {"duration": duration and f"{duration:g}", "seeds": 2 * seeds}
     run = CommandRun("trial", robot, options=given, output=str(output))
     again = f"next: {run.line()}    adds as many datasets again"
     say([*(wrote(page, "report") for page in pages), again])

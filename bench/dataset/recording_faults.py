@@ -97,13 +97,11 @@ def faults_in(
         step *= SECONDS[fault.remedy]
     if not step > 0.0:
         return []
-    position = column.startswith("position.")
-    channel = Channel(
-        np.ascontiguousarray(values[start:stop]),
-        step,
-        joint if position else None,
-        effort=joint.logs_effort and not position,
-    )
+    samples = np.ascontiguousarray(values[start:stop])
+    if column.startswith("position."):
+        channel = Channel(samples, step, joint)
+    else:
+        channel = Channel(samples, step, effort=joint.logs_effort)
     return [
         finding if finding.row is None else replace(finding, row=finding.row + start)
         for finding in find(channel, accepted)

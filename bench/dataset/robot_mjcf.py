@@ -165,15 +165,9 @@ def _add_rotor(
         if plain.tendon_limited[tendon]:
             joint.limited, joint.range = True, (unit * plain.tendon_range[tendon]).tolist()
         sums.armature, sums.limited = 0.0, False
-    helper = spec.add_tendon(neutral(), name=ROTOR + transmission.name)
-    helper.wrap_joint(transmission.name, 1.0)
-    held = spec.add_equality(
-        neutral(),
-        name=ROTOR + transmission.name,
-        type=mujoco.mjtEq.mjEQ_TENDON,
-        name1=helper.name,
-        name2=sums.name,
-    )
+    name, kind = ROTOR + transmission.name, mujoco.mjtEq.mjEQ_TENDON
+    spec.add_tendon(neutral(), name=name).wrap_joint(transmission.name, 1.0)
+    held = spec.add_equality(neutral(), name=name, type=kind, name1=name, name2=sums.name)
     held.data[:5] = [0.0, 1.0, 0.0, 0.0, 0.0]
 
 

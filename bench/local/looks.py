@@ -158,13 +158,9 @@ def _facts(root: Path, place: str) -> dict[str, Any]:
             raise BenchError(f"{place}: holds no model")
         model = path / names[0]
     answer = to_json(load_model(model).model)
-    facts = {
-        "model": model.relative_to(root).as_posix(),
-        "line": line,
-        "applied": applied,
-        **{key: answer[key] for key in ("robot", "effects", "error", "drive_gains", "notes")},
-    }
-    return dict(finite(facts))
+    facts = {key: answer[key] for key in ("robot", "effects", "error", "drive_gains", "notes")}
+    about = {"model": model.relative_to(root).as_posix(), "line": line, "applied": applied}
+    return dict(finite({**about, **facts}))
 
 
 def _line(path: Path, run: Any) -> str:

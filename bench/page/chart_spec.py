@@ -198,14 +198,9 @@ def _series(series: Series) -> Spec:
             drawn = {name: rounded(value, extent) for name, value in values.items()}
             spec = {"kind": "bins", "x": rounded(series.center), **drawn}
         case Whiskers():
-            spec = {
-                "kind": "bins",
-                "clear": True,
-                "x": significant(series.x),
-                "spread": [0.0] * len(series.x),
-            }
-            spec |= {"mean": significant(series.middle), **_ends(series), **_flag("apart", not series.joined)}
-            spec |= _pick(series)
+            spec = {"kind": "bins", "clear": True, "x": significant(series.x), **_pick(series)}
+            spec |= {"mean": significant(series.middle), "spread": [0.0] * len(series.x)}
+            spec |= _ends(series) | _flag("apart", not series.joined)
         case Spans():
             spec = {"kind": "intervals", "y": series.y.tolist(), "x": significant(series.x), **_ends(series)}
             spec |= {"shift": series.shift} if series.shift else {}

@@ -47,7 +47,7 @@ CURRENTS, MOTOR = "currents", "Motor"  # the section of the curves, and its choi
 ON_PAPER = 8  # variants of the currents that are printed
 ERROR_AID = "Error: RMS(measured − modelled current) over RMS(measured current), where the joint moves."
 MOTORS_ON_PAPER = 6  # motors that are printed
-LAWS = "laws-alike"  # id of the table of laws with similar errors
+LAWS, ATLAS = "laws-alike", "atlas of effects"  # the table of laws with similar errors, and a column of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,12 +270,7 @@ def _laws(models: Sequence[ShownModel]) -> tuple[PageTable, ...]:
     ]
     if not rows:
         return ()
-    heads: Mapping[str, Kind] = {
-        "effect": "keep",
-        "law": "words",
-        "shown by": "words",
-        "atlas of effects": "keep",
-    }
+    heads: Mapping[str, Kind] = {"effect": "keep", "law": "words", "shown by": "words", ATLAS: "keep"}
     aid = "Candidates, the plainest first, from the key of the handbook's atlas; bench diagnose decides between them."
     title = "Effects that would leave such errors"
     return (replace(page_table(title, aid, heads, rows, folded=True), id=LAWS),)

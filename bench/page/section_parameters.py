@@ -151,15 +151,8 @@ def _reversals(series: CurrentSeries, j: int) -> int:
 
 def _motion_table(result: Identification) -> PageTable:
     fitted = _fitted(result)
-    numbers = (
-        "position",
-        "speed, RMS and largest",
-        "acceleration, RMS",
-        "current, RMS",
-        "reversals",
-        "moves",
-    )
-    heads: dict[str, Kind] = {"motor": "", **dict.fromkeys(numbers, "right")}
+    right = ("position", "speed, RMS and largest", "acceleration, RMS", "current, RMS", "reversals", "moves")
+    heads: dict[str, Kind] = {"motor": "", **dict.fromkeys(right, "right")}
     rows = []
     for j, joint in enumerate(result.joints):
         gain = result.drive_gains[joint]

@@ -209,13 +209,8 @@ def _tiles(summary: TrialSummary) -> tuple[Tile, ...]:
 
 
 def _targets_section(summary: TrialSummary) -> Section:
-    heads: dict[str, Kind] = {
-        "figure": "words",
-        "reached": "right",
-        "must be": "keep",
-        "": "",
-        "cases": "right",
-    }
+    heads: dict[str, Kind] = {"figure": "words", "reached": "right", "must be": "keep"}
+    heads |= {"": "", "cases": "right", "95 % interval": "keep"}
     rows = []
     for target in summary.targets:
         if target.reached is None:
@@ -225,7 +220,6 @@ def _targets_section(summary: TrialSummary) -> Section:
         first = typeset(name.replace("`", ""))
         texts = (typeset(cell) for cell in (reached, bound))
         rows.append(row(first, *texts, kept, cases, typeset(interval), kind="" if bound else "weak"))
-    heads["95 % interval"] = "keep"
     parts = (page_table("Figures and what they must reach", COUNTED, heads, rows),)
     lead = "A wide interval means too few cases: more seeds add to what is there."
     return Section("reached", "What was reached", lead, parts)

@@ -75,13 +75,9 @@ class ErrorBreakdown:
         into = np.concatenate([trace.forwards ^ (trace.to_reversal < 0) for trace in self.series])
         near = np.abs(rows) <= ERROR_GRID.around_reversal
         edges = np.arange(-ERROR_GRID.around_reversal, ERROR_GRID.around_reversal + 1.0) / rate
+        x, error = rows / rate, self.errors
         return tuple(
-            Branch(
-                direction,
-                binned(rows[way] / rate, self.errors[way], edges),
-                rows[way] / rate,
-                self.errors[way],
-            )
+            Branch(direction, binned(x[way], error[way], edges), x[way], error[way])
             for direction, way in _ways(near & into, near & ~into)
         )
 

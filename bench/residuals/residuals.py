@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from bench.effects import Effect
 from bench.identification.decision import RULE
@@ -65,10 +64,12 @@ def _of_motor(what: Compared, joint: str, possible: Mapping[str, Effect], has: S
     current, unit = what.units[joint]
     error, noise = relative_error_of(series) or 0.0, relative_noise(series)
     above = error > RULE.beyond_noise * noise
-    patterns: tuple[Any, Any, Any, Any] = ((), (), (), ())
-    if above:
-        places = concentrations(series, regions(series, unit, current))
-        patterns = tuple(places), tuple(dependences(series)), tuple(lines(series)), tuple(changes(series))
+    patterns = (
+        tuple(concentrations(series, regions(series, unit, current))) if above else (),
+        tuple(dependences(series)) if above else (),
+        tuple(lines(series)) if above else (),
+        tuple(changes(series)) if above else (),
+    )
     return MotorErrors(
         joint=joint,
         units=what.units[joint],

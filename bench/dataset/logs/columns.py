@@ -97,13 +97,12 @@ def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Colum
         first = next(column for column in values if column.startswith("position."))
         values = {"time": np.arange(values[first].size) / log_map.rate} | values
     count = values["time"].size
-    refuse(
-        [
-            f"{file}: {sources[column]!r} for {column} has {plural(samples.size, 'sample')}, time has {count}"
-            for column, samples in values.items()
-            if samples.size != count
-        ]
-    )
+    wrong = [
+        f"{sources[column]!r} for {column} has {plural(samples.size, 'sample')}"
+        for column, samples in values.items()
+        if samples.size != count
+    ]
+    refuse([f"{file}: {said}, time has {count}" for said in wrong])
     ordered = {name: values[name] for name in sorted(values, key=lambda name: name != "time")}
     turned = {column: unit for column, (factor, unit) in stated.items() if factor != 1.0}
     notes = (*_unit_notes(turned), *_name_notes(sources, factors, robot))

@@ -126,11 +126,9 @@ def _in_order(
             continue
         for measured in quantities:
             joints = [joint for joint in robot.driven if measured_by(f"{kind}.{joint}", robot) == measured]
+            of = {name: _measures(name, stated) for name in free}
             columns = [
-                name
-                for name in free
-                if _measures(name, stated) == measured
-                or (spoken & set(_words(name)) and not _measures(name, stated))
+                name for name in free if of[name] == measured or (not of[name] and spoken & {*_words(name)})
             ]
             named = any(set(_parts(joint)) <= set(_parts(name)) for joint in robot.driven for name in columns)
             assigned = any(f"{kind}.{joint}" in proposed for joint in joints)
