@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 
-from bench.basics.errors import BenchError
 from bench.dataset.robot import load_robot
 from bench.document.colours import ON_DARK, ON_WHITE, rgb
-from bench.document.figures.comparison import current_figure, write_current_figure
+from bench.document.figures.comparison import current_figure
+from bench.document.figures.write import write_figure
 from bench.document.numbers import error_std, percent
 from bench.identification.result import relative_error
 from tests.shown import dataset_of, identification_of
@@ -63,18 +63,10 @@ def test_the_band_is_that_of_the_fitted_recordings(result):
     np.testing.assert_allclose(error_std(result), np.sqrt((fitted**2).mean(axis=0)))
 
 
-def test_recordings_can_be_chosen_and_a_wrong_name_is_told(result):
-    assert len(current_figure(result, ["check.csv"]).axes) == 4
-    with pytest.raises(
-        BenchError, match=r"no recording 'other.csv'; there are: unloaded.csv, loaded.csv, check.csv"
-    ):
-        current_figure(result, ["other.csv"])
-
-
 @pytest.mark.parametrize(("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml")])
 def test_a_picture_is_written_and_no_window_is_prepared(result, tmp_path, suffix, start):
     path = tmp_path / "deep" / f"currents{suffix}"
-    write_current_figure(path, result)
+    write_figure(path, current_figure(result))
     assert path.read_bytes().startswith(start)
     assert [one.name for one in path.parent.iterdir()] == [path.name]
     assert plt.get_fignums() == []

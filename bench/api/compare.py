@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bench.api.sources import Data, Model, as_dataset, as_model, dataset_behind
+from bench.api.sources import Data, Model, as_dataset, dataset_behind
 from bench.dataset.dataset import Dataset
 from bench.identification.chosen_band import prepare_checked
 from bench.identification.frame import data_frame, html_table
 from bench.identification.identify import identify
 from bench.identification.mistaken import heavy_payloads
-from bench.identification.model_file import Comparison, apply_model
+from bench.identification.model_file import Comparison, SavedModel, apply_model, load_model
 from bench.identification.problem import Filters, problem_of
 from bench.identification.result import CurrentSeries, ErrorSummary, Identification
 from bench.residuals.look_alikes import possible_effects
@@ -103,7 +103,7 @@ def compare(
         name = f"as given, {', '.join(model.effects) or 'rigid bodies only'}"
         comparison = Comparison(model.robot, name, model.recordings, model.error, model.findings)
     else:
-        saved = as_model(model)
+        saved = model if isinstance(model, SavedModel) else load_model(Path(model))
         applied, settings = apply_model(problem, saved), saved.settings
         comparison = replace(applied, findings=(*heavy_payloads(dataset), *applied.findings))
         has = saved.model.effects

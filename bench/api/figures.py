@@ -44,9 +44,8 @@ def figures_named(available: Sequence[PaperFigure], names: Sequence[str]) -> lis
     """The figures whose names begin with one of `names`, all if it is empty. Raises BenchError if one matches none."""
     for name in names:
         if not any(figure.name.startswith(name) for figure in available):
-            raise BenchError(
-                f"{name}: no such figure; there are {', '.join(figure.name for figure in available)}"
-            )
+            known = ", ".join(figure.name for figure in available)
+            raise BenchError(f"{name}: no such figure; there are {known}")
     return [figure for figure in available if not names or figure.name.startswith(tuple(names))]
 
 

@@ -2,7 +2,6 @@
 
 import io
 from dataclasses import dataclass
-from functools import singledispatch
 from pathlib import Path
 from typing import Any
 
@@ -31,25 +30,25 @@ class Report:
     result: Result
     verbose: bool = False
 
-    def __str__(self) -> str:
+    def _printed(self) -> Console:
         console = Console(file=io.StringIO(), width=WIDTH, record=True)
         print_result(self.result, console, self.verbose)
-        return console.export_text()
+        return console
+
+    def __str__(self) -> str:
+        return self._printed().export_text()
 
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
-        console = Console(file=io.StringIO(), width=WIDTH, record=True)
-        print_result(self.result, console, self.verbose)
-        return console.export_html(
-            inline_styles=True, code_format="<pre style='line-height:1.2'>{code}</pre>"
-        )
+        form = "<pre style='line-height:1.2'>{code}</pre>"
+        return self._printed().export_html(inline_styles=True, code_format=form)
 
     def save(self, path: str | Path, data: Data) -> Path:
         """Write the page of the result as one file; return its path.
 
-        data: the dataset that the result was identified from, or its folder. Raises BenchError for a saved model, or
-        its errors.
+        data: the dataset that the result was identified from, or its folder. Raises BenchError for a saved model or its
+        errors.
         """
         dataset, page = as_dataset(data), Path(path)
         diagnosis = self.result if isinstance(self.result, Diagnosis) else None
@@ -75,30 +74,18 @@ def report(result: Result, *, verbose: bool = False) -> Report:
     return Report(result, verbose)
 
 
-@singledispatch
-def print_result(result: Any, console: Console, verbose: bool) -> None:  # noqa: ARG001 - one signature for all
+def print_result(result: Any, console: Console, verbose: bool) -> None:
     """Print a result to a console. Raises BenchError if it is none."""
-    raise BenchError(
-        f"cannot report a {type(result).__name__}: give a result of identify, compare or diagnose"
-    )
-
-
-@print_result.register
-def _(result: Identification, console: Console, verbose: bool) -> None:
-    identification_report(result, console, verbose=verbose)
-
-
-@print_result.register
-def _(result: SavedModel, console: Console, verbose: bool) -> None:
-    identification_report(result.model, console, verbose=verbose, without_currents=result.recordings)
-
-
-@print_result.register
-def _(result: Diagnosis, console: Console, verbose: bool) -> None:
-    diagnosis_report(result, console, verbose=verbose)
-
-
-@print_result.register
-def _(result: ModelErrors, console: Console, verbose: bool) -> None:  # noqa: ARG001 - as above
-    comparison_report(result.comparison, console)
-    where_report(result.where, console)
+    match result:
+        case Identification():
+            identification_report(result, console, verbose=verbose)
+        case SavedModel():
+            identification_report(result.model, console, verbose=verbose, without_currents=result.recordings)
+        case Diagnosis():
+            diagnosis_report(result, console, verbose=verbose)
+        case ModelErrors():
+            comparison_report(result.comparison, console)
+            where_report(result.where, console)
+        case _:
+            kind = type(result).__name__
+            raise BenchError(f"cannot report a {kind}: give a result of identify, compare or diagnose")

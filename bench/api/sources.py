@@ -5,7 +5,7 @@ from pathlib import Path
 from bench.basics.errors import BenchError
 from bench.dataset.dataset import Dataset, load_dataset
 from bench.diagnosis.split import dataset_of
-from bench.identification.model_file import SavedModel, load_model
+from bench.identification.model_file import SavedModel
 from bench.identification.model_file import save_model as write_model
 from bench.identification.result import Identification
 
@@ -21,24 +21,20 @@ def as_dataset(data: Data) -> Dataset:
     return data if isinstance(data, Dataset) else load_dataset(data)
 
 
-def as_model(model: SavedModel | str | Path) -> SavedModel:
-    """The saved model itself, or the one loaded from the file. Raises BenchError naming what is wrong with it."""
-    return model if isinstance(model, SavedModel) else load_model(Path(model))
-
-
 def dataset_behind(dataset: Dataset, result: Identification) -> Dataset:
     """The dataset with the recordings of a result, their ends held out if the result was judged on these.
 
     Raises BenchError naming the robot or the recording that differs, or if the result holds no currents.
     """
+    folder, joints = dataset.folder, dataset.robot.joints
     cure = "give the dataset that the result was identified from, or save the result and give its file"
-    if result.robot != dataset.robot.name or result.joints != tuple(dataset.robot.joints):
+    if result.robot != dataset.robot.name or result.joints != tuple(joints):
         raise BenchError(
-            f"{dataset.folder}: of {dataset.robot.name} ({', '.join(dataset.robot.joints)}), but the result is of "
-            f"{result.robot} ({', '.join(result.joints)}): {cure}"
+            f"{folder}: of {dataset.robot.name} ({', '.join(joints)}), but the result is of {result.robot} "
+            f"({', '.join(result.joints)}): {cure}"
         )
     if not result.recordings:
-        raise BenchError(f"{dataset.folder}: the result holds no currents: {cure}")
+        raise BenchError(f"{folder}: the result holds no currents: {cure}")
     parted = dataset_of(dataset, result.recordings)
     logged = {recording.name: recording for recording in parted.recordings}
     for trace in result.recordings:
@@ -46,13 +42,11 @@ def dataset_behind(dataset: Dataset, result: Identification) -> Dataset:
         if recording is None:
             names = ", ".join(recording.name for recording in dataset.recordings)
             raise BenchError(
-                f"{dataset.folder}: there is no recording {trace.name!r}, which the result is of, among {names}: {cure}"
+                f"{folder}: there is no recording {trace.name!r}, which the result is of, among {names}: {cure}"
             )
         step = 1.0 / recording.rate
         if trace.time[0] < recording.time[0] - step or trace.time[-1] > recording.time[-1] + step:
-            raise BenchError(
-                f"{dataset.folder}: {trace.name!r} is not the recording that the result is from: {cure}"
-            )
+            raise BenchError(f"{folder}: {trace.name!r} is not the recording that the result is from: {cure}")
     return parted
 
 

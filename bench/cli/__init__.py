@@ -12,7 +12,6 @@ import threading
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from types import FrameType
 
 import click
 
@@ -100,19 +99,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         error.show()
         return error.exit_code
     except click.UsageError as error:
-        return _say(_misused(error), error.exit_code)
+        said = error.format_message()
+        if isinstance(error, click.NoSuchOption | click.NoSuchCommand):
+            said = misspelt(error)
+        see = error.ctx.command_path if error.ctx else called_as()
+        return _say(f"{said} (see: {see} --help)", error.exit_code)
     except click.ClickException as error:
         return _say(error.format_message(), error.exit_code)
     except click.Abort:
         return _say("interrupted", INTERRUPTED)
     return result if isinstance(result, int) else 0
-
-
-def _misused(error: click.UsageError) -> str:
-    see = f"(see: {error.ctx.command_path if error.ctx else called_as()} --help)"
-    if isinstance(error, click.NoSuchOption | click.NoSuchCommand):
-        return f"{misspelt(error)} {see}"
-    return f"{error.format_message()} {see}"
 
 
 def _say(message: str, exit_code: int) -> int:
@@ -127,12 +123,8 @@ def _leaving_on_termination() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():  # Python handles signals only there
         yield
         return
-    previous = signal.signal(signal.SIGTERM, _terminate)
+    previous = signal.signal(signal.SIGTERM, lambda *_: sys.exit(_say("terminated", TERMINATED)))
     try:
         yield
     finally:
         signal.signal(signal.SIGTERM, previous)
-
-
-def _terminate(_number: int, _frame: FrameType | None) -> None:
-    sys.exit(_say("terminated", TERMINATED))

@@ -79,10 +79,6 @@ def _of_one(
     def answer(words: bool = True) -> dict[str, Any]:
         return {**comparison_json(errors.comparison, words=words), **where_json(errors.where, words=words)}
 
-    def write() -> None:
-        if json_file is not None:
-            write_with_words(json_file, answer, "comparison", written)
-
     def report() -> None:
         comparison_report(errors.comparison, console)
         where_report(errors.where, console)
@@ -106,17 +102,13 @@ def _of_one(
         if result is not None:
             written.append(wrote(write_identification_report(output, result, data, run, name), "report"))
 
+    source = Source(dataset, replace(asked, effects=errors.effects))
     take_all(
-        write,
+        lambda: write_with_words(json_file, answer, "comparison", written),
         lambda: shown(report, lambda: comparison_json(errors.comparison, words=False)),
         figures,
         page,
-        lambda: say(
-            [
-                *written,
-                _next(Source(dataset, replace(asked, effects=errors.effects)), errors.motors, model_file),
-            ]
-        ),
+        lambda: say([*written, _next(source, errors.motors, model_file)]),
     )
 
 
@@ -145,13 +137,9 @@ def _side_by_side(dataset: Path, model_files: tuple[Path, ...], asked: Asked, js
     def answer(words: bool = True) -> dict[str, Any]:
         return side_by_side_json(comparison, changed_sentences(comparison) if words else ())
 
-    def write() -> None:
-        if json_file is not None:
-            write_with_words(json_file, answer, "comparison", written)
-
     step = next_line(["compare", dataset, "--model", model_files[-1]], "shows where this one fails")
     take_all(
-        write,
+        lambda: write_with_words(json_file, answer, "comparison", written),
         lambda: shown(
             lambda: side_by_side_report(comparison, changed_sentences(comparison), Console()),
             lambda: answer(words=False),

@@ -131,8 +131,6 @@ class _Outcome:
 
     def write_answer(self, file: Path | None) -> None:
         """Write the answer as JSON."""
-        if file is None:
-            return
         from bench.diagnosis.as_json import diagnosis_json
 
         write_with_words(file, partial(diagnosis_json, self.diagnosis), "diagnosis", self.written)
@@ -180,12 +178,11 @@ class _Outcome:
         from bench.page.write import write_diagnosis_report
 
         run = replace(command, output=str(folder))
-        self.written.append(
-            wrote(write_diagnosis_report(folder, self.diagnosis, self.data, run, progress), "report")
-        )
+        page = write_diagnosis_report(folder, self.diagnosis, self.data, run, progress)
+        self.written.append(wrote(page, "report"))
 
     def say_next(self, command: "CommandRun", model: Path | None) -> None:
         """Print the written files and the suggested next command."""
-        say(self.written)
         files = (*self.effect_files, *self.laws)
-        say([after_diagnosis(self.diagnosis, Path(command.dataset), command.line(), model, files)])
+        step = after_diagnosis(self.diagnosis, Path(command.dataset), command.line(), model, files)
+        say([*self.written, step])

@@ -10,7 +10,7 @@ from bench.cli.options import (
     dataset_argument,
     effect_file_option,
     filter_options,
-    path_option,
+    output_option,
     with_option,
 )
 from bench.cli.options import effects as effect_names
@@ -26,12 +26,8 @@ WIDEN, RATE = 1.0, 1000.0
 @dataset_argument
 @click.argument("effect_a", metavar="EFFECT_A", shell_complete=effect_names)
 @click.argument("effect_b", metavar="EFFECT_B", shell_complete=effect_names)
-@path_option(
-    "-o",
-    "--output",
-    required=True,
-    metavar="DIR",
-    help="Folder for the trajectory, its coefficients, a summary and a picture.",
+@output_option(
+    "Folder for the trajectory, its coefficients, a summary and a picture.", required=True, callback=None
 )
 @with_option
 @effect_file_option
@@ -103,12 +99,8 @@ def discriminate(  # noqa: PLR0913, PLR0917 - an argument for each option
             progress=progress,
         )
         progress.phase("writing the motion and its picture")
-        motion = {
-            "duration": duration,
-            "widen": None if widen == WIDEN else widen,
-            "rate": None if rate == RATE else rate,
-            "seed": seed or None,
-        }
+        motion = {"duration": duration, "widen": None if widen == WIDEN else widen}
+        motion |= {"rate": None if rate == RATE else rate, "seed": seed or None}
         run_of = asked.run("discriminate", dataset, {**asked.filters, **motion}, output)
         words = ["bench", "discriminate", str(dataset), effect_a, effect_b, *run_of.option_words()]
         robot_folder = data.robot.folder.resolve()

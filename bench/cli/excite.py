@@ -6,33 +6,35 @@ from typing import Any
 import click
 
 from bench.cli.last_lines import next_line, say, wrote
-from bench.cli.options import effect_file_option, in_existing_folder, path_option, positive, rate, with_option
+from bench.cli.options import (
+    effect_file_option,
+    in_existing_folder,
+    output_option,
+    path_option,
+    positive,
+    rate,
+    with_option,
+)
 from bench.cli.options import effects as effect_names
 from bench.cli.options import robots as robot_names
 from bench.cli.progress import quiet_option, shown_progress
 
 
-def _share(_context: click.Context, option: click.Parameter, text: str | None) -> float | None:
-    """Parse a share such as 0.5% or 0.005."""
-    if text is None:
-        return None
+def _share(text: str) -> float:
+    """The type of a share such as 0.5% or 0.005."""
     try:
         share = float(text.removesuffix("%")) / (100.0 if text.endswith("%") else 1.0)
     except ValueError:
         share = -1.0
     if not 0.0 < share < 1.0:
-        raise click.BadParameter(f"{text!r} is not a share; write for example 0.5%", param=option)
+        raise click.BadParameter(f"{text!r} is not a share; write for example 0.5%")
     return share
 
 
 @click.command("excite")
 @click.argument("robot", shell_complete=robot_names)
-@path_option(
-    "-o",
-    "--output",
-    required=True,
-    metavar="DIR",
-    help="Folder for tables, coefficients, a scenario, pictures and the forecast.",
+@output_option(
+    "Folder for tables, coefficients, a scenario, pictures and the forecast.", required=True, callback=None
 )
 @click.option(
     "--for",
@@ -70,7 +72,7 @@ def _share(_context: click.Context, option: click.Parameter, text: str | None) -
 )
 @click.option(
     "--gain-accuracy",
-    callback=_share,
+    type=_share,
     metavar="SHARE",
     help="Print the payload and time that suffice, e.g. 0.5%.",
 )

@@ -109,13 +109,10 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
         physical=physical,
     )
     written: list[str] = []
+    folder = json_file.resolve().parent if json_file and json_file != STANDARD_OUTPUT else None
+    answer = partial(model_json, result, data.folder, asked.files, folder)
 
-    def answer() -> None:
-        if json_file is None:
-            return
-        folder = None if json_file == STANDARD_OUTPUT else json_file.resolve().parent
-        made = partial(model_json, result, data.folder, asked.files, folder)
-        write_with_words(json_file, made, "model", written)
+    report = partial(identification_report, result, Console(), verbose=verbose)
 
     def recording() -> None:
         if rrd_file is None:
@@ -130,33 +127,24 @@ def identify(  # noqa: PLR0913, PLR0917 - an argument for each option
             return
         from bench.page.write import write_identification_report
 
-        options = {
-            "method": method,
-            "gains": gains,
-            "essential": essential,
-            "physical": physical,
-            "deviations": deviations,
-            **asked.filters,
-        }
+        options = {"method": method, "gains": gains, "essential": essential, "physical": physical}
+        options |= {"deviations": deviations, **asked.filters}
         command = asked.run("identify", dataset, options, output)
         written.append(wrote(write_identification_report(output, result, data, command), "report"))
 
     def last_lines() -> None:
         what = compared(data.robot, data.recordings, result.recordings, result.settings)
         source = Source(dataset, asked)
+        step = after_errors(source, what, kept=json_file not in (None, STANDARD_OUTPUT))
         if to_mend(result.findings, error_left=beyond_noise(what)):
-            step: str | None = f"next: {source.command('identify', dataset)}    {AGAIN}"
-        else:
-            step = after_errors(source, what, kept=json_file not in (None, STANDARD_OUTPUT))
+            step = f"next: {source.command('identify', dataset)}    {AGAIN}"
         if step is None:
             step = next_line(["compare", dataset, "--model", str(json_file)], "shows its errors by motor")
         say([*remaining_errors(what), *written, step])
 
     take_all(
-        answer,
-        lambda: shown(
-            lambda: identification_report(result, Console(), verbose=verbose), lambda: _gains(result)
-        ),
+        lambda: write_with_words(json_file, answer, "model", written),
+        lambda: shown(report, lambda: _gains(result)),
         recording,
         page,
         last_lines,

@@ -205,8 +205,7 @@ def _payload(options: Mapping[str, Any]) -> "Payload | None":
     if name is None:
         raise click.UsageError("--payload-mass needs --payload NAME")
     payload = Payload(name, mass, center, inertia)
-    fault = payload_fault(payload)
-    if fault is not None:
+    if (fault := payload_fault(payload)) is not None:
         raise BenchError(f"payload {name}: {fault[0]}: {fault[1]}")
     return payload
 
@@ -220,6 +219,7 @@ def _request(file: Path, options: Mapping[str, Any]) -> "LogRequest":
 
     if options["shortest"] is not None and not options["split_gaps"]:
         raise click.UsageError("--shortest needs --split-gaps")
+    shortest = (options["shortest"] or SHORTEST) if options["split_gaps"] else None
     columns, factors = unique(options["mapping"], "--map"), unique(options["scale"], "--scale")
     return LogRequest(
         file,
@@ -228,8 +228,6 @@ def _request(file: Path, options: Mapping[str, Any]) -> "LogRequest":
         options["payload"],
         options["name"],
         Reading(options["skip_rows"], False if options["no_header"] else None, options["topic"]),
-        Cutting(
-            options["validate_fraction"], (options["shortest"] or SHORTEST) if options["split_gaps"] else None
-        ),
+        Cutting(options["validate_fraction"], shortest),
         options["accept"],
     )

@@ -27,9 +27,7 @@ Known = tuple[Mapping[str, KnownTruth], Mapping[str, float] | None]
 
 
 def known_next_to(logged: Dataset, shown: Dataset) -> Known:
-    """The truth about a dataset that a simulation wrote; empty and None for others. shown: its recordings or parts of
-    them.
-    """
+    """The truth about a simulation's dataset; empty and None for others. shown: its recordings or parts of them."""
     content = _truth_next_to(logged)
     simulation = None if content is None else _simulated_again(logged, content)
     if content is None or simulation is None:
@@ -73,19 +71,13 @@ def _truth_next_to(dataset: Dataset) -> dict[str, Any] | None:
 
 def _simulated_again(dataset: Dataset, content: Mapping[str, Any]) -> Simulation | None:
     """The simulation that wrote a dataset, repeated; None if the dataset has been changed since."""
-    origin = str(truth_path(dataset.folder))
-    simulation = repeated(content, origin)
-    made = {
-        f"{recording.name}.{simulation.scenario.settings.file_format}": recording.log
-        for recording in simulation.recordings
-    }
+    simulation = repeated(content, str(truth_path(dataset.folder)))
+    suffix = simulation.scenario.settings.file_format
+    made = {f"{recording.name}.{suffix}": recording.log for recording in simulation.recordings}
     for logged in dataset.recordings:
         log = made.get(logged.name)
-        if log is None or log.current.shape != logged.current.shape:
-            return None
-        if not (
-            np.array_equal(log.position, logged.position) and np.array_equal(log.current, logged.current)
-        ):
+        same = log is not None and np.array_equal(log.position, logged.position)
+        if log is None or not (same and np.array_equal(log.current, logged.current)):
             return None
     return simulation
 
@@ -98,7 +90,6 @@ def _of_recordings(simulation: Simulation) -> dict[str, KnownTruth]:
     for recording in simulation.recordings:
         hidden = hidden_torque(simulation, recording, plain)
         torque = hidden.torque if simulation.machine.hidden else None
-        by_file[f"{recording.name}.{suffix}"] = KnownTruth(
-            hidden.time, hidden.reference, torque, hidden.loop_gap
-        )
+        known = KnownTruth(hidden.time, hidden.reference, torque, hidden.loop_gap)
+        by_file[f"{recording.name}.{suffix}"] = known
     return by_file

@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import redirect_stdout
@@ -35,16 +36,11 @@ def next_line(words: Sequence[str | Path], why: str = "") -> str:
 
 def say(lines: Sequence[str]) -> None:
     """Print the last lines, except those about standard output; a next command starts with the word of `typed`."""
-    for line in lines:
-        if not line.startswith(f"wrote {STANDARD_OUTPUT} "):
-            click.echo(_as_typed(line))
-
-
-def _as_typed(line: str) -> str:
-    """A next line with the name or path with which this program is called."""
     from bench.basics.program import typed
 
-    return line.replace("next: bench ", f"next: {typed()} ", 1) if line.startswith("next: bench ") else line
+    for line in lines:
+        if not line.startswith(f"wrote {STANDARD_OUTPUT} "):
+            click.echo(re.sub("^next: bench ", lambda _: f"next: {typed()} ", line))
 
 
 def set_quiet(context: click.Context, _option: click.Parameter, quiet: bool) -> bool:
@@ -56,12 +52,13 @@ def set_quiet(context: click.Context, _option: click.Parameter, quiet: bool) -> 
     return quiet
 
 
-def answer_on(context: click.Context, file: Path | None) -> None:
-    """If the answer goes to standard output, redirect the text for people to standard error."""
+def answer_on(context: click.Context, file: Path | None) -> Path | None:
+    """The file; if it is standard output, the text for people is redirected to standard error."""
     if file == STANDARD_OUTPUT:
         _standard_output(context)
         if not context.meta.get(_QUIET):
             context.with_resource(redirect_stdout(sys.stderr))
+    return file
 
 
 def _standard_output(context: click.Context) -> Any:
@@ -69,13 +66,15 @@ def _standard_output(context: click.Context) -> Any:
 
 
 def write_with_words(
-    path: Path, made: Callable[..., Mapping[str, Any]], what: str, written: list[str]
+    path: Path | None, made: Callable[..., Mapping[str, Any]], what: str, written: list[str]
 ) -> None:
-    """Write an answer with its sentences, or without them if they fail; the error is then raised after writing.
+    """Write an answer with its sentences, or without them if they fail; the error is raised afterwards. None: no file.
 
-    made: returns the answer, with words=False without sentences. what: the content of the file, for the line that is
-    added to `written`.
+    made: returns the answer, with words=False without sentences. what: the file's content, for the line added to
+    `written`.
     """
+    if path is None:
+        return
     answer = made(words=False)
     try:
         answer = made()
@@ -105,32 +104,26 @@ def after_diagnosis(
 
     effect_files: files of effects that the model needs in addition to the catalogue.
     """
+    from bench.basics.shell_word import each
     from bench.identification.finding import MEND_FIRST
 
+    already = each("--with", diagnosis.before.effects)
     if any(finding.code in MEND_FIRST for finding in diagnosis.after.findings):
         return f"next: {again}    {AGAIN}"
+    words: list[str | Path]
     missing = diagnosis.missing or diagnosis.discovered
     if missing and model is not None:
-        files = [word for file in effect_files for word in ("--effect-file", file)]
-        return next_line(["compare", dataset, "--model", model, *files], "shows the remaining error")
+        words = ["compare", dataset, "--model", model, *each("--effect-file", effect_files)]
+        return next_line(words, "shows the remaining error")
     if missing:
         return f"next: {again} --apply model.json    writes the model with the missing effects"
-    doubtful = [
-        verdict
-        for verdict in diagnosis.ranking
-        if verdict.verdict == "indistinguishable" and verdict.alternatives
-    ]
-    if doubtful:
-        verdict = doubtful[0]
-        pair = [
-            f"{name}:{verdict.actuators[0]}" if verdict.actuators else name
-            for name in (verdict.effect, verdict.alternatives[0])
-        ]
-        already = [word for effect in diagnosis.before.effects for word in ("--with", effect)]
-        folder = dataset.with_name(f"{dataset.resolve().name}.motion")
-        words: list[str | Path] = ["discriminate", dataset, *pair, *already, "-o", folder]
-        return next_line(words, "designs the motion that distinguishes them")
-    already = [word for effect in diagnosis.before.effects for word in ("--with", effect)]
+    for verdict in diagnosis.ranking:
+        if verdict.verdict == "indistinguishable" and verdict.alternatives:
+            at = f":{verdict.actuators[0]}" if verdict.actuators else ""
+            pair = (f"{verdict.effect}{at}", f"{verdict.alternatives[0]}{at}")
+            folder = dataset.with_name(f"{dataset.resolve().name}.motion")
+            words = ["discriminate", dataset, *pair, *already, "-o", folder]
+            return next_line(words, "designs the motion that distinguishes them")
     return next_line(["identify", dataset, *already, "--json", "model.json"], "saves the present model")
 
 
@@ -153,10 +146,8 @@ def take_all(*steps: Callable[[], object]) -> None:
 
 def shown(report: Callable[[], object], verdict: Callable[[], Mapping[str, Any]]) -> None:
     """Print a report. If it fails, print the verdict as JSON, and raise the error."""
-    done = False
     try:
         report()
-        done = True
-    finally:
-        if not done:
-            click.echo(json.dumps(verdict(), indent=2, ensure_ascii=False))
+    except BaseException:
+        click.echo(json.dumps(verdict(), indent=2, ensure_ascii=False))
+        raise

@@ -76,34 +76,20 @@ class LazyGroup(click.Group):
 
 
 def misspelt(error: click.NoSuchOption | click.NoSuchCommand) -> str:
-    """The error's message with the nearest known name.
-
-    Click's similarity includes the dashes, and thus confuses --robots with --verbose.
-    """
-    command = error.ctx.command if error.ctx is not None else None
+    """The error's message with the nearest known name; click's similarity counts the dashes, too."""
+    context = error.ctx
+    if context is None:
+        return error.message
     if isinstance(error, click.NoSuchCommand):
-        name, known = error.command_name, _commands(command, error.ctx)
+        name = error.command_name
+        words = context.command.list_commands(context) if isinstance(context.command, click.Group) else []
     else:
         name = error.option_name
-        known = {option.lstrip("-"): option for option in _options(command)}
+        options = [(*parameter.opts, *parameter.secondary_opts) for parameter in context.command.params]
+        words = [word for spelled in options for word in spelled if word.startswith("--")]
+    known = {word.lstrip("-"): word for word in words}
     near = nearest(name.lstrip("-"), known)
     return error.message if near is None else f"{error.message} Did you mean {known[near]!r}?"
-
-
-def _commands(command: click.Command | None, context: click.Context | None) -> dict[str, str]:
-    if not isinstance(command, click.Group) or context is None:
-        return {}
-    return {name: name for name in command.list_commands(context)}
-
-
-def _options(command: click.Command | None) -> list[str]:
-    parameters = [] if command is None else command.params
-    return [
-        option
-        for parameter in parameters
-        for option in (*parameter.opts, *parameter.secondary_opts)
-        if option.startswith("--")
-    ]
 
 
 class Forgiving:

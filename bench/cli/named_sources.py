@@ -1,6 +1,4 @@
-"""Convert a source that a user names (a dataset, a model, a folder of results or of a sweep) to content for the
-viewer.
-"""
+"""Convert a source that a user names (a dataset, a model, a folder of results or of a sweep) for the viewer."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -19,7 +17,6 @@ from bench.document.markdown.tables import diagnosis_markdown
 from bench.identification.chosen_band import prepare_checked
 from bench.identification.effect_torques import effect_torques
 from bench.identification.identify import fit, identify
-from bench.identification.model_file import load_model, read_identification
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
 from bench.identification.result import Identification
@@ -33,8 +30,8 @@ from bench.viewer.recording import ViewedRun
 def viewed_runs(given: Source, runs: Sequence[int] = (), *, with_truth: bool = True) -> list[ViewedRun]:
     """One identification, or several of a sweep, with all available context.
 
-    runs: numbers of runs of a sweep; with_truth: whether the truth of a simulation is shown. Raises BenchError that
-    names what is missing.
+    runs: numbers of runs of a sweep; with_truth: whether to show a simulation's truth. Raises BenchError naming what is
+    missing.
     """
     source = given.path
     if source.is_file():
@@ -66,7 +63,7 @@ def answer_of(given: Source) -> tuple[Dataset, Identification, Diagnosis | None]
         raise BenchError(f"{source}: a sweep; `bench plot` draws its figures")
     if source.is_file():
         refuse_log(source)
-        return (*_applied(given), None)
+        return (*given.applied(), None)
     if not (source / DATASET_FILE).is_file():
         raise BenchError(f"{source}: neither a dataset ({DATASET_FILE}) nor a result ({RUN_FILE})")
     problem = given.asked.of(load_dataset(source))
@@ -88,29 +85,15 @@ def _of_dataset(given: Source, with_truth: bool) -> ViewedRun:
     prepared = prepare_checked(problem)
     with_same = replace(problem, filters=prepared.settings)
     models = [fit(prepare(replace(with_same, effects=rung))) for rung in rungs[:-1]] + [identify(prepared)]
-    steps = tuple(
-        LadderModel(word, model.recordings)
-        for word, model in zip(step_labels(rungs), models[:-1], strict=False)
-    )
-    context = _context(dataset, models[-1], steps, truth=with_truth)
-    context = replace(context, label=step_labels(rungs)[-1])
-    return ViewedRun(models[-1].robot, models[-1], dataset, context)
+    *words, last = step_labels(rungs)
+    steps = [LadderModel(word, model.recordings) for word, model in zip(words, models[:-1], strict=True)]
+    context = _context(dataset, models[-1], tuple(steps), truth=with_truth)
+    return ViewedRun(models[-1].robot, models[-1], dataset, replace(context, label=last))
 
 
 def _of_model(given: Source, with_truth: bool) -> ViewedRun:
-    dataset, result = _applied(given)
+    dataset, result = given.applied()
     return ViewedRun(result.robot, result, dataset, _context(dataset, result, truth=with_truth))
-
-
-def _applied(given: Source) -> tuple[Dataset, Identification]:
-    """A model file applied to its dataset, or to the one given."""
-    path = given.path
-    saved = load_model(path)
-    folder = given.data or saved.dataset
-    if folder is None:
-        raise BenchError(f"{path}: a model file without the path of its recordings: name them with --data")
-    dataset = load_dataset(folder)
-    return dataset, read_identification(path, given.asked.of(dataset))
 
 
 def _of_result(saved: SavedRun, with_truth: bool) -> ViewedRun:
@@ -119,16 +102,13 @@ def _of_result(saved: SavedRun, with_truth: bool) -> ViewedRun:
     if diagnosis is None:
         return ViewedRun(after.robot, after, dataset, _context(dataset, after, truth=with_truth))
     with_held_out = saved.with_held_out
-    problem = replace(
-        saved.problem, dataset=with_held_out, filters=after.settings, fit_gains=after.gains_fitted
-    )
+    problem = replace(saved.problem, dataset=with_held_out, filters=after.settings)
+    problem = replace(problem, fit_gains=after.gains_fitted)
     rungs = [_requests(diagnosis, rung) for rung in diagnosis.ladder]
     words = step_labels(rungs)
     steps = []
     for word, rung, step in zip(words[:-1], rungs[:-1], diagnosis.ladder[:-1], strict=True):
-        recordings = step.recordings
-        if not recordings:
-            recordings = fit(prepare(replace(problem, effects=rung))).recordings
+        recordings = step.recordings or fit(prepare(replace(problem, effects=rung))).recordings
         steps.append(LadderModel(word, recordings))
     text = diagnosis_markdown(diagnosis)
     context = _context(with_held_out, after, tuple(steps), text, truth=with_truth, logged=dataset)
@@ -150,11 +130,10 @@ def _of_sweep(folder: Path, runs: Sequence[int], with_truth: bool) -> list[Viewe
         again = run_again(folder, plan, number)
         dataset, run = as_dataset(again.simulation), again.run
         filters = again.simulation.scenario.settings.filter.model_dump(exclude_none=True)
-        options = {key: run.identify[key] for key in ("deviations", "essential")}
-        prepared = prepare(
-            problem_of(dataset, run.identify["effects"], filters, fit_gains=run.identify["fit_gains"])
-        )
-        result = fit(prepared, run.identify["method"], **options)
+        asked = run.identify
+        prepared = prepare(problem_of(dataset, asked["effects"], filters, fit_gains=asked["fit_gains"]))
+        options = {key: asked[key] for key in ("deviations", "essential")}
+        result = fit(prepared, asked["method"], **options)
         context = _context(dataset, result, text=f"**{again.title}**", truth=False)
         if with_truth:
             known, values = known_to(again.simulation, dataset.robot)
@@ -173,10 +152,7 @@ def _context(
     logged: Dataset | None = None,
 ) -> ViewContext:
     """The context of an answer in the viewer. logged: the dataset before its recordings were split, if they were."""
-    torques = (
-        {effect_torque.name: effect_torque for effect_torque in effect_torques(result.recordings)}
-        if result.effects
-        else {}
-    )
+    by_effect = effect_torques(result.recordings) if result.effects else []
+    torques = {torque.name: torque for torque in by_effect}
     known, values = known_next_to(logged or dataset, dataset) if truth else ({}, None)
     return ViewContext(steps, torques, known, values, text)

@@ -7,12 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bench.basics.shell_word import quoted
+from bench.basics.errors import BenchError
+from bench.basics.shell_word import each, quoted
 from bench.cli.last_lines import after_diagnosis, next_line
 from bench.cli.options import Asked
 
 if TYPE_CHECKING:
+    from bench.dataset.dataset import Dataset
     from bench.diagnosis.result import Diagnosis
+    from bench.identification.result import Identification
     from bench.residuals.motor import Compared
 
 
@@ -38,6 +41,18 @@ class Source:
             return self.path
         return (self.data or dataset_behind(self.path)) if self.path.is_file() else None
 
+    def applied(self) -> tuple[Dataset, Identification]:
+        """A model file applied to its dataset, or to the one given. Raises BenchError if there is none."""
+        from bench.dataset.dataset import load_dataset
+        from bench.identification.model_file import read_identification
+
+        if (folder := self.dataset) is None:
+            raise BenchError(
+                f"{self.path}: a model file without the path of its recordings: name them with --data"
+            )
+        dataset = load_dataset(folder)
+        return dataset, read_identification(self.path, self.asked.of(dataset))
+
 
 def dataset_behind(model: Path) -> Path | None:
     """The recordings from which a model file was identified; None if it does not name them."""
@@ -47,9 +62,7 @@ def dataset_behind(model: Path) -> Path | None:
 
 
 def after_errors(source: Source, what: Compared, *, kept: bool) -> str | None:
-    """After a model's errors: a diagnosis if more than noise remains, else saving the model, None if it is already
-    saved.
-    """
+    """After a model's errors: a diagnosis if more than noise remains, else saving the model; None if it is saved."""
     from bench.residuals.words import DIAGNOSE, KEEP, beyond_noise
 
     if beyond_noise(what):
@@ -76,10 +89,8 @@ def before_figures(source: Source, name: str) -> str:
     words = source.command("figures", source.path)
     if source.data is not None:
         words += f" --data {quoted(source.data)}"
-    folder = source.path.resolve().with_suffix("").name + ".figures"
-    return (
-        f"next: {words} {name} -o {quoted(source.path.with_name(folder))}    draws it; --all draws every one"
-    )
+    folder = quoted(source.path.with_name(f"{source.path.resolve().with_suffix('').name}.figures"))
+    return f"next: {words} {name} -o {folder}    draws it; --all draws every one"
 
 
 def after_figures(source: Source) -> str:
@@ -93,9 +104,7 @@ def after_figures(source: Source) -> str:
 
 
 def after_page(source: Source, diagnosis: Diagnosis | None) -> str:
-    """After a page: the step after the diagnosis of a dataset, the table of a sweep, the export of a model, the
-    figures of a result.
-    """
+    """After a page: the step after a diagnosis, the table of a sweep, the export of a model, a result's figures."""
     from bench.studies.sweep.rerun_runs import is_sweep_folder
 
     data = source.dataset
@@ -106,7 +115,8 @@ def after_page(source: Source, diagnosis: Diagnosis | None) -> str:
         return next_line(["table", source.path], "summarises it by axis")
     if data is not None:
         target = source.path.with_suffix(".xml")
-        words = ["export", source.path, "--to", "mjcf", "-o", target, *_files(source.asked.files)]
+        files = each("--effect-file", source.asked.files)
+        words = ["export", source.path, "--to", "mjcf", "-o", target, *files]
         return next_line(words, "exports the model to a simulator")
     return next_line(["figures", source.path], "lists figures for papers")
 
@@ -114,9 +124,8 @@ def after_page(source: Source, diagnosis: Diagnosis | None) -> str:
 def after_table(folder: Path, axes: Sequence[str], metrics: Sequence[str], pooled: Sequence[str]) -> str:
     """After a summary: the same by its pooled axes, the viewer if it has no axes, or a plot of its first metric."""
     if not axes and pooled:
-        by = [word for axis in pooled for word in ("--by", axis)]
-        shown = [word for metric in metrics for word in ("--show", metric)]
-        return next_line(["table", folder, *by, *shown], "separates their values")
+        by = [*each("--by", pooled), *each("--show", metrics)]
+        return next_line(["table", folder, *by], "separates their values")
     if not axes:
         return next_line(["view", folder], "shows a good, a median and a bad run in motion")
     lines = ["--lines", axes[1]] if len(axes) > 1 else []
@@ -140,7 +149,7 @@ def after_export(model: Path, form: str, output: Path, effect_files: Sequence[Pa
     data = dataset_behind(model)
     if data is None or not data.is_dir():
         return []
-    words = ["replay", data, "--model", model, *_files(effect_files)]
+    words = ["replay", data, "--model", model, *each("--effect-file", effect_files)]
     return [next_line(words, "simulates these bodies along the recorded motions")]
 
 
@@ -154,9 +163,5 @@ def after_replay(dataset: Path, model: Path, film: Path | None, options: Sequenc
 
 
 def _compared(source: Source, data: Path) -> str:
-    words = ["compare", data, "--model", source.path, *_files(source.asked.files)]
+    words = ["compare", data, "--model", source.path, *each("--effect-file", source.asked.files)]
     return next_line(words, "shows where the model fails")
-
-
-def _files(effect_files: Sequence[Path]) -> list[str | Path]:
-    return [word for file in effect_files for word in ("--effect-file", file)]

@@ -33,10 +33,12 @@ def open_page(folder: Path, robots: tuple[Path, ...], port: int, no_browser: boo
     corresponding commands and works only on the files in DATASET_OR_FOLDER (by default the current folder). The server
     accepts connections from this machine only, until Ctrl+C.
     """
+    from bench.basics.program import typed
+    from bench.basics.shell_word import each, quoted
     from bench.local.server import opened, serve
 
-    words = [str(folder)] if folder != Path() else []
-    words += [word for robot in robots for word in ("--robot", str(robot))]
+    words = ["open", *([str(folder)] if folder != Path() else []), *each("--robot", robots)]
+    line = " ".join([typed(), *map(quoted, words)])
 
     def ready(address: str) -> None:
         click.echo(f"Open {address}")
@@ -46,14 +48,7 @@ def open_page(folder: Path, robots: tuple[Path, ...], port: int, no_browser: boo
 
             webbrowser.open(address)
 
-    serve(opened(folder, robots, _line(words), port), {"command": "bench.cli.open:run_command"}, ready)
-
-
-def _line(words: list[str]) -> str:
-    from bench.basics.program import typed
-    from bench.basics.shell_word import quoted
-
-    return " ".join([typed(), *(quoted(word) for word in ["open", *words])])
+    serve(opened(folder, robots, line, port), {"command": "bench.cli.open:run_command"}, ready)
 
 
 def run_command(arguments: Mapping[str, Any], progress: Progress) -> dict[str, Any]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import wraps
 from pathlib import Path
@@ -26,31 +27,22 @@ FILTERS = ("position_cutoff", "decimation", "filter_order", "difference_order", 
 """Fields of `FilterSettings` that are options, in addition to the border."""
 
 
-def effects(_context: click.Context, _option: click.Parameter, begun: str) -> list[str]:
-    """Complete effects of the catalogue."""
+def _catalogue() -> Iterable[str]:
     from bench.effects.catalogue import CATALOGUE
 
-    return _beginning(list(CATALOGUE), begun)
+    return CATALOGUE
 
 
-def robots(_context: click.Context, _option: click.Parameter, begun: str) -> list[str]:
-    """Complete built-in robots."""
-    return _beginning(list(built_in_robots()), begun)
+def _completing(
+    names: Callable[[], Iterable[str]],
+) -> Callable[[click.Context, click.Parameter, str], list[str]]:
+    """The completion of a name that a user has begun."""
+    return lambda _context, _option, begun: sorted(name for name in names() if name.startswith(begun))
 
 
-def scenarios(_context: click.Context, _option: click.Parameter, begun: str) -> list[str]:
-    """Complete built-in scenarios."""
-    return _beginning(list(built_in_scenarios()), begun)
-
-
-def sweeps(_context: click.Context, _option: click.Parameter, begun: str) -> list[str]:
-    """Complete built-in sweeps."""
-    return _beginning([path.stem for path in catalogue_folder("scenarios").glob("sweeps/*.toml")], begun)
-
-
-def _beginning(names: list[str], begun: str) -> list[str]:
-    return sorted(name for name in names if name.startswith(begun))
-
+effects = _completing(_catalogue)
+robots, scenarios = _completing(built_in_robots), _completing(built_in_scenarios)
+sweeps = _completing(lambda: [path.stem for path in catalogue_folder("scenarios").glob("sweeps/*.toml")])
 
 Command = Callable[..., Any]
 
@@ -120,8 +112,7 @@ def in_existing_folder(context: click.Context, option: click.Parameter, file: Pa
         return file
     if not file.parent.is_dir():
         raise BenchError(f"{option.opts[0]} {file}: there is no folder {file.parent}")
-    why = why_unwritable(file)
-    if why is not None:
+    if (why := why_unwritable(file)) is not None:
         raise BenchError(f"{option.opts[0]} {file}: cannot be written: {why}")
     named: dict[Path, str] = context.meta.setdefault(_NAMED, {})
     other = named.setdefault(file.resolve(), option.opts[0])
@@ -136,12 +127,6 @@ def file_or_folder(context: click.Context, option: click.Parameter, path: Path |
     return check(context, option, path)
 
 
-def _answer_file(context: click.Context, option: click.Parameter, file: Path | None) -> Path | None:
-    """Callback for a file in an existing folder, or "-" for standard output."""
-    answer_on(context, file)
-    return in_existing_folder(context, option, file)
-
-
 def as_folder(_context: click.Context, option: click.Parameter, folder: Path | None) -> Path | None:
     """Callback that raises BenchError for a folder that cannot be written, before any work is done."""
     why = None if folder is None else why_no_folder(folder)
@@ -150,30 +135,25 @@ def as_folder(_context: click.Context, option: click.Parameter, folder: Path | N
     return folder
 
 
-def output_option(help_text: str) -> Callable[[Command], Command]:
-    """The option for the output folder of a command."""
-    return path_option("-o", "--output", metavar="DIR", callback=as_folder, help=help_text)
+def output_option(help_text: str, **more: Any) -> Callable[[Command], Command]:
+    """The option for the output folder of a command. more: see `click.option`."""
+    return path_option("-o", "--output", help=help_text, **{"metavar": "DIR", "callback": as_folder, **more})
 
 
 json_option = path_option(
     "--json",
     "json_file",
     metavar="FILE",
-    callback=_answer_file,
+    callback=lambda context, option, file: in_existing_folder(context, option, answer_on(context, file)),
     help="Write the answer as JSON; - for standard output.",
 )
-
-
-def _by_commas(_context: click.Context, _option: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
-    """Split texts at commas."""
-    return tuple(threshold for text in given for threshold in text.split(","))
 
 
 rule_option = click.option(
     "--rule",
     multiple=True,
     metavar="NAME=VALUE",
-    callback=_by_commas,
+    callback=lambda _context, _option, given: tuple(entry for text in given for entry in text.split(",")),
     help="Threshold or numerical bound in place of the default, as in the JSON answer: prior=12, search.rounds=3. "
     "Repeat for more.",
 )
@@ -306,9 +286,7 @@ def numbers(count: int) -> Callable[[str], tuple[float, ...]]:
 
 
 def rate(per: str) -> Callable[[str], tuple[float, str]]:
-    """The type of a positive number with a unit, such as 3rad/s or 0.5m/s, or without one: (number, unit). per: s or
-    s2.
-    """
+    """The type of a positive number, alone or with a unit as in 3rad/s: (number, unit). per: s or s2."""
     units = (f"rad/{per}", f"m/{per}")
 
     def split(given: str) -> tuple[float, str]:
@@ -335,8 +313,7 @@ def number_or_word(text: str) -> float | str:
 
 def unique(pairs: tuple[tuple[str, Any], ...], option: str) -> dict[str, Any]:
     """Pairs as a mapping. Raises UsageError for a repeated key."""
-    keys = [key for key, _ in pairs]
-    for key in keys:
-        if keys.count(key) > 1:
+    for key, count in Counter(key for key, _ in pairs).items():
+        if count > 1:
             raise click.UsageError(f"{option}: {key!r} is given twice")
     return dict(pairs)

@@ -58,6 +58,7 @@ def replay(
     from rich.console import Console
 
     from bench.basics.errors import BenchError
+    from bench.basics.shell_word import each, option_words
     from bench.cli.next_steps import after_replay
     from bench.cli.progress import shown_progress
     from bench.cli.replay_report import replay_report
@@ -85,12 +86,14 @@ def replay(
         write_answer(json_file, replay_json(result))
         written.append(wrote(json_file, "answer"))
     if output is not None:
-        from bench.page.section_run import CommandRun
-        from bench.page.write import write_replay_report
+        from bench.page.pages import replay_page
+        from bench.page.section_run import CommandRun, Made
+        from bench.page.write import REPORT_FILE, write_page
 
         given = {"model": str(model_file), "no_cad": not cad, "nearest": nearest}
         run = CommandRun("replay", str(dataset), (), tuple(map(str, effect_files)), given, str(output))
-        written.append(wrote(write_replay_report(output, result, problem, saved, run), "report"))
+        page = replay_page(result, problem, saved, Made((run.line(),)))
+        written.append(wrote(write_page(output / REPORT_FILE, page), "report"))
     if rrd_file is not None:
         from bench.viewer.context import ViewContext
         from bench.viewer.recording import write_rrd
@@ -100,9 +103,5 @@ def replay(
         write_rrd(rrd_file, shown, data, context=ViewContext(simulated=result.motions, text=text))
         written.append(wrote(rrd_file, "recording"))
     replay_report(result, Console())
-    options = [
-        *(["--no-cad"] if not cad else []),
-        *(["--nearest"] if nearest else []),
-        *(word for file in effect_files for word in ("--effect-file", file)),
-    ]
+    options = [*option_words({"no_cad": not cad, "nearest": nearest}), *each("--effect-file", effect_files)]
     say([*written, after_replay(dataset, model_file, rrd_file, options)])

@@ -9,10 +9,11 @@ from bench.basics.progress import Progress
 from bench.cli.last_lines import say, wrote
 from bench.cli.options import (
     Asked,
+    data_option,
     effect_file_option,
     file_or_folder,
     filter_options,
-    path_option,
+    output_option,
     with_option,
 )
 from bench.cli.progress import quiet_option, shown_progress
@@ -25,20 +26,14 @@ if TYPE_CHECKING:
 
 @click.command("report")
 @click.argument("source", metavar="DIR_OR_MODEL", type=click.Path(path_type=Path))
-@path_option(
-    "-o",
-    "--output",
+@output_option(
+    "The file to write.",
     default=Path("report.html"),
     show_default=True,
     metavar="FILE.html",
     callback=file_or_folder,
-    help="The file to write.",
 )
-@path_option(
-    "--data",
-    metavar="DATASET",
-    help="The recordings to show a model with. [default: those it was identified from]",
-)
+@data_option
 @with_option
 @effect_file_option
 @filter_options
@@ -67,9 +62,7 @@ def report(
 
 
 def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, str]:
-    """Write the page for the kind of the source; returns a note on what had to be computed again, or "", and the next
-    step.
-    """
+    """Write the page of the source; returns a note on what had to be computed again, or "", and the next step."""
     from bench.basics.errors import BenchError
     from bench.cli.next_steps import after_page, after_trial
     from bench.dataset.dataset import refuse_log
@@ -78,12 +71,8 @@ def _written(given: "Source", output: Path, progress: Progress) -> tuple[str, st
     from bench.studies.sweep.rerun_runs import is_sweep_folder
 
     said, source, data, asked = "", given.path, given.data, given.asked
-    models = {
-        "--data": data,
-        "--with": asked.effects,
-        "--effect-file": asked.files,
-        "filters": asked.filters,
-    }
+    models: dict[str, Any] = {"--data": data, "--with": asked.effects, "--effect-file": asked.files}
+    models |= {"filters": asked.filters}
     if (source / DATASET_FILE).is_file() or source.name == DATASET_FILE:
         _refuse({"--data": data}, "a dataset, which is diagnosed")
         return said, after_page(given, _of_dataset(given, output, progress))
@@ -124,14 +113,11 @@ def _of_trial(source: Path, output: Path) -> Path:
     from bench.page.write_studies import write_trial_report
 
     table = trial_table(source) if source.exists() else None
-    if table is None and source.is_dir():
-        raise BenchError(
-            f"{source}: neither a dataset nor a result: it has no dataset.toml, no {RUN_FILE}, and no sweep or trial"
-        )
     if table is None:
-        raise BenchError(
-            f"{source}: not the table of a trial" if source.exists() else f"{source}: no such file or folder"
-        )
+        why = "not the table of a trial" if source.exists() else "no such file or folder"
+        if source.is_dir():
+            why = f"neither a dataset nor a result: it has no dataset.toml, no {RUN_FILE}, and no sweep or trial"
+        raise BenchError(f"{source}: {why}")
     write_trial_report(table, output)
     return table
 
@@ -156,20 +142,10 @@ def _of_dataset(given: "Source", output: Path, progress: Progress) -> "Diagnosis
 
 
 def _of_model(given: "Source", output: Path, progress: Progress) -> None:
-    from bench.basics.errors import BenchError
-    from bench.dataset.dataset import load_dataset
-    from bench.identification.model_file import load_model, read_identification
     from bench.page.folder import SavedRun
     from bench.page.write import write_saved_run
 
-    saved = load_model(given.path)
-    data = given.data or saved.dataset
-    if data is None:
-        raise BenchError(
-            f"{given.path}: a model file without the path of its recordings: name them with --data"
-        )
     progress.phase("reading the recordings")
-    dataset = load_dataset(data)
-    result = read_identification(given.path, given.asked.of(dataset))
-    run = given.asked.run("report", given.path, {"data": str(data)}, output)
+    dataset, result = given.applied()
+    run = given.asked.run("report", given.path, {"data": str(given.dataset)}, output)
     write_saved_run(output, SavedRun(run, dataset, result, None, str(given.path)), progress=progress)

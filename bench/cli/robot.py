@@ -1,5 +1,6 @@
 """`bench robot`: commands on a robot alone, without measurements."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -101,28 +102,19 @@ def new(
         )
     unique(motors, "--motor")
     unique(locked, "--lock")
+    held = dict(locked)
     folder = write_robot_toml(
-        model,
-        motors,
-        unit=unit,
-        tool=tool,
-        locked=dict(locked),
-        name=name,
-        folder=output,
-        overwrite=overwrite,
+        model, motors, unit=unit, tool=tool, locked=held, name=name, folder=output, overwrite=overwrite
     )
-    lacking = (
-        [] if tool else [f"note: {no_tool(mjcf_parts(model).sites)}; or repeat with --tool NAME --overwrite"]
-    )
-    say([*lacking, wrote(folder / ROBOT_FILE, "robot"), next_line(["robot", "check", folder])])
+    hint = [f"note: {no_tool(mjcf_parts(model).sites)}; or repeat with --tool NAME --overwrite"]
+    say([*([] if tool else hint), wrote(folder / ROBOT_FILE, "robot"), next_line(["robot", "check", folder])])
 
 
 def _listed(parts: "MjcfParts") -> str:
     """The parts of the file, by kind."""
-    nouns = {"joint": "joints", "tendon": "fixed tendons", "motor": "actuators"}
-    named = [
-        (noun, [part.name for part in parts.motors if part.drives == kind]) for kind, noun in nouns.items()
-    ]
-    return "; ".join(
-        f"{noun} {', '.join(names)}" for noun, names in [*named, ("sites", parts.sites)] if names
-    ) or ("no joint with a name")
+    named: dict[str, Sequence[str]] = {}
+    for kind, noun in (("joint", "joints"), ("tendon", "fixed tendons"), ("motor", "actuators")):
+        named[noun] = [part.name for part in parts.motors if part.drives == kind]
+    named["sites"] = parts.sites
+    listed = [f"{noun} {', '.join(names)}" for noun, names in named.items() if names]
+    return "; ".join(listed) or "no joint with a name"

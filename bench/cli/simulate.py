@@ -6,13 +6,13 @@ import click
 
 from bench.basics.plural import plural
 from bench.cli.last_lines import next_line, say, wrote
-from bench.cli.options import path_option, scenarios
+from bench.cli.options import output_option, scenarios
 from bench.cli.progress import quiet_option, shown_progress
 
 
 @click.command("simulate")
 @click.argument("scenario", shell_complete=scenarios)
-@path_option("-o", "--output", required=True, metavar="DIR", help="Dataset folder to write.")
+@output_option("Dataset folder to write.", required=True, callback=None)
 @click.option("--seed", type=int, help="Seed for gains and noise, instead of the scenario's.")
 @click.option("--overwrite", is_flag=True, help="Replace an existing dataset in DIR.")
 @quiet_option
@@ -35,25 +35,14 @@ def simulate(scenario: str, output: Path, seed: int | None, overwrite: bool, qui
         simulation = simulation_of(scenario, seed, progress)
         progress.phase("writing the recordings")
         truth = write_simulation(simulation, output)
-    count = len(simulation.recordings)
-    gap = f"loop gap {simulation.loop_gap:.1e} m"
-    say(
-        [
-            wrote(output, f"dataset: {plural(count, 'recording')}, {gap}"),
-            wrote(truth, "truth"),
-            next_line(["compare", output], "fits the model and shows where it fails"),
-        ]
-    )
+    content = f"{plural(len(simulation.recordings), 'recording')}, loop gap {simulation.loop_gap:.1e} m"
+    step = next_line(["compare", output], "fits the model and shows where it fails")
+    say([wrote(output, f"dataset: {content}"), wrote(truth, "truth"), step])
 
 
 @click.command("demo")
-@path_option(
-    "-o",
-    "--output",
-    default=Path("results/demo"),
-    show_default=True,
-    metavar="DIR",
-    help="Folder for data, model and pictures.",
+@output_option(
+    "Folder for data, model and pictures.", default=Path("results/demo"), show_default=True, callback=None
 )
 @click.option(
     "--scenario", shell_complete=scenarios, default="five_bar", show_default=True, help="What to simulate."
@@ -65,7 +54,8 @@ def demo(output: Path, scenario: str) -> None:
     from bench.api.diagnose import diagnose
     from bench.basics.quiet import stop_step_timers
     from bench.dataset.dataset import load_dataset
-    from bench.document.figures.comparison import write_current_figure
+    from bench.document.figures.comparison import current_figure
+    from bench.document.figures.write import write_figure
     from bench.document.terminal.identification import identification_report
     from bench.excitation.scenario import load_designed
     from bench.identification.identify import fit
@@ -96,7 +86,7 @@ def demo(output: Path, scenario: str) -> None:
     true = true_values(prepared.model, truth(simulation))
     identification_report(result, console, truth=true)
     save_model(result, output / "model.json", dataset.folder)
-    write_current_figure(output / "currents.png", result)
+    write_figure(output / "currents.png", current_figure(result))
     write_rrd(output / "demo.rrd", result, dataset, truth=true)
     console.print("Searching for physical effects that the model lacks ...")
     run = CommandRun("diagnose", str(output / "dataset"), output=str(output))

@@ -1,6 +1,4 @@
-"""`bench sweep`, `table`, `plot` and `check`: many scenarios, their table, its summaries and plots, and the accuracy
-check.
-"""
+"""`bench sweep`, `table`, `plot` and `check`: many scenarios, their table, summaries, plots, and accuracy."""
 
 from pathlib import Path
 
@@ -43,13 +41,9 @@ def sweep(
         from bench.studies.sweep.command import run_command
         from bench.studies.sweep.pool import Workers
 
+    pool = Workers(workers, scheduler)
     code = run_command(
-        sweep_file,
-        output,
-        workers=Workers(workers, scheduler),
-        retry_failed=retry_failed,
-        dry_run=dry_run,
-        quiet=quiet,
+        sweep_file, output, workers=pool, retry_failed=retry_failed, dry_run=dry_run, quiet=quiet
     )
     if output is not None and not dry_run:
         with shown_progress(quiet, "drawing the page"):

@@ -5,8 +5,8 @@ from typing import Any
 
 import click
 
-from bench.cli.last_lines import next_line, say, wrote
-from bench.cli.options import as_folder, path_option, robots, scheduler_option, workers_option
+from bench.cli.last_lines import say, wrote
+from bench.cli.options import output_option, robots, scheduler_option, workers_option
 from bench.cli.progress import quiet_option, shown_progress
 
 
@@ -41,15 +41,7 @@ from bench.cli.progress import quiet_option, shown_progress
 @click.option(
     "--duration", type=click.FloatRange(2.0), metavar="S", help="Duration of each designed motion, s."
 )
-@path_option(
-    "-o",
-    "--output",
-    default=Path("trial"),
-    show_default=True,
-    metavar="DIR",
-    callback=as_folder,
-    help="Folder of the results.",
-)
+@output_option("Folder of the results.", default=Path("trial"), show_default=True)
 @workers_option
 @scheduler_option
 @quiet_option
@@ -86,21 +78,16 @@ def trial(
     )
     with shown_progress(running["quiet"], "drawing the page"):
         from bench.dataset.robot import load_robot
+        from bench.page.section_run import CommandRun
         from bench.page.write_studies import write_trial_report
 
         table = output / f"{load_robot(robot).name}.parquet"
         pages = [write_trial_report(table, table.with_suffix(".html"))] if table.is_file() else []
-    words = [
-        "trial",
-        robot,
-        *(["--effects", effects] if effects else []),
-        *(["--kinds", kinds] if kinds else []),
-    ]
-    words += ["--first", f"{first}"] if first else []
-    words += ["--discover"] if discover else []
-    words += ["--scenario", scenario] if scenario else []
-    words += ["--duration", f"{duration:g}"] if duration else []
-    again = next_line([*words, "--seeds", str(2 * seeds), "-o", output], "adds as many datasets again")
+    given: dict[str, Any] = {"effects": effects or None, "kinds": kinds or None, "first": first or None}
+    given |= {"discover": discover, "scenario": scenario}
+    given |= {"duration": duration and f"{duration:g}", "seeds": 2 * seeds}
+    run = CommandRun("trial", robot, options=given, output=str(output))
+    again = f"next: {run.line()}    adds as many datasets again"
     say([*(wrote(page, "report") for page in pages), again])
     return code
 

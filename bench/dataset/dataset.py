@@ -155,9 +155,7 @@ def refuse_log(path: Path) -> None:
 
 
 def _refuse_copies(path: Path, recordings: Sequence[Recording]) -> None:
-    """Raise BenchError for two logs with the same samples: they would shrink the standard errors, and one could
-    validate the other.
-    """
+    """Raise BenchError for two equal logs: they would shrink the standard errors, or validate each other."""
     for first, second in combinations(recordings, 2):
         if first.name != second.name and all(
             np.array_equal(samples, others, equal_nan=True)

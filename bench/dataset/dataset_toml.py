@@ -1,7 +1,7 @@
 """The file dataset.toml: its schema, how it is written, how a recording is added to it."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -60,13 +60,8 @@ def edited(text: str, entries: Sequence[RecordingEntry], payloads: Sequence[Payl
 
 
 def _set(table: Any, entry: RecordingEntry) -> None:
-    keys: Mapping[str, Any] = {
-        "use": entry.use,
-        "payload": entry.payload,
-        "accept": list(entry.accept) or None,
-        **dict.fromkeys(OF_THE_OLD),
-    }
-    for key, value in keys.items():
+    given = {"use": entry.use, "payload": entry.payload, "accept": list(entry.accept) or None}
+    for key, value in {**given, **dict.fromkeys(OF_THE_OLD)}.items():
         if value is not None:
             table[key] = value
         elif key in table:
@@ -107,12 +102,8 @@ class DatasetSpec(UserTable):
 
 def payload_of(path: Path, name: str, spec: PayloadSpec) -> Payload:
     """The payload of a [payloads.NAME] table in the file `path`; BenchError if no rigid body has these values."""
-    payload = Payload(
-        name,
-        spec.mass,
-        None if spec.center_of_mass is None else np.array(spec.center_of_mass),
-        None if spec.inertia is None else np.array(spec.inertia),
-    )
+    center, inertia = (None if v is None else np.array(v) for v in (spec.center_of_mass, spec.inertia))
+    payload = Payload(name, spec.mass, center, inertia)
     if (fault := payload_fault(payload)) is not None:
         raise BenchError(f"{path}: payloads.{name}.{fault[0]}: {fault[1]}")
     return payload
@@ -129,8 +120,7 @@ def write_dataset_toml(
 ) -> Path:
     """Write dataset.toml in `folder`, whole or not at all, and return its path.
 
-    robot is a built-in name or a path (absolute, or relative to `folder`). joints: names for the gains of the
-    controller.
+    robot is a built-in name or a path (absolute, or relative to `folder`). joints: of the controller's gains.
     """
     lines = [toml_line("robot", robot)]
     if effects:
@@ -167,11 +157,9 @@ def extended_toml(
     *,
     replace: bool = False,
 ) -> str:
-    """The text of `folder`'s dataset.toml with recordings added and comments kept; a new text if there is no such
-    file.
+    """The text of `folder`'s dataset.toml with recordings added and comments kept; a new one if there is none.
 
-    A payload may be given again with the same values. replace: the given recordings and payloads replace those of the
-    same name.
+    A payload may be given again with the same values. replace: those of the same name are replaced.
 
     Errors: BenchError when the dataset belongs to another robot, already lists the recording, lacks the payload, or
     has a different payload of that name.
@@ -186,21 +174,15 @@ def extended_toml(
         text, defined, listed = toml_line("robot", reference) + "\n", {}, []
     known = {recording.file for recording in listed}
     for entry in entries:
-        _check_free(folder, entry, known if replace else set(), listed=entry.file in known)
+        if not (replace and entry.file in known):
+            _check_free(folder / entry.file, listed=entry.file in known)
         if entry.payload is None:
             continue
         if robot.tool_site is None:
             raise BenchError(f"payload {entry.payload!r}: the robot {robot.name!r} has no [tool] site")
         if entry.payload not in {*defined, *(payload.name for payload in payloads)}:
             raise BenchError(f"{path}: payloads: {entry.payload!r} is not defined; give its mass")
-    changed = [
-        payload
-        for payload in payloads
-        if payload.name in defined and not _same_as_defined(defined[payload.name], payload)
-    ]
-    for payload in payloads:
-        if (fault := payload_fault(payload)) is not None:
-            raise BenchError(f"payload {payload.name!r}: {fault[0]} {fault[1]}")
+    changed = [payload for payload in payloads if _differs(payload, defined.get(payload.name))]
     if changed and not replace:
         differing = _differing(defined[changed[0].name], changed[0])
         raise BenchError(
@@ -218,25 +200,22 @@ def extended_toml(
     return text
 
 
-def _check_free(folder: Path, entry: RecordingEntry, replaced: set[str], *, listed: bool) -> None:
+def _check_free(path: Path, *, listed: bool) -> None:
     """Raises BenchError if a recording would overwrite a file that it does not replace."""
-    path = folder / entry.file
-    if entry.file in replaced or not (listed or path.exists()):
-        return
-    if listed:
+    unlisted = "" if listed else f", and {DATASET_FILE} does not list it"
+    cure = "--replace to replace it by this log" if listed else "delete the file"
+    if listed or path.exists():
         raise BenchError(
-            f"{path}: exists already; choose another name for the recording, or --replace to replace it by this log"
+            f"{path}: exists already{unlisted}; choose another name for the recording, or {cure}"
         )
-    raise BenchError(
-        f"{path}: exists already, and {DATASET_FILE} does not list it; choose another name for the recording, or "
-        "delete the file"
-    )
 
 
-def _same_as_defined(spec: PayloadSpec, payload: Payload) -> bool:
-    """Whether the given values of a payload are those in dataset.toml."""
-    known = spec.model_dump()
-    return all(known[key] == value for key, value in payload_keys(payload).items())
+def _differs(payload: Payload, spec: PayloadSpec | None) -> bool:
+    """Whether a given value is another than in dataset.toml. Raises BenchError if no body has these values."""
+    if (fault := payload_fault(payload)) is not None:
+        raise BenchError(f"payload {payload.name!r}: {fault[0]} {fault[1]}")
+    known = {} if spec is None else spec.model_dump()
+    return any(known.get(key, value) != value for key, value in payload_keys(payload).items())
 
 
 def _differing(spec: PayloadSpec, payload: Payload) -> str:

@@ -4,24 +4,17 @@ A fixed tendon whose length an equality fixes does no work, so its spring, dampi
 no effect. A passive hinge with a range of a whole turn has no end stop: exporters write 0 to 2 pi for a pin.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection
-from typing import TYPE_CHECKING
 
+import mujoco
 import numpy as np
-
-if TYPE_CHECKING:
-    import mujoco
 
 WHOLE_TURN = 6.28  # rad: a whole turn as it is rounded in files
 
 
 def release_held_tendons(spec: mujoco.MjSpec) -> None:
     """Remove spring, damping, friction, armature and range from fixed tendons whose length an equality fixes."""
-    import mujoco  # noqa: PLC0415 - slow to import, needed only to read a robot
-
     held = {
         equality.name1
         for equality in spec.equalities
@@ -37,23 +30,11 @@ def release_held_tendons(spec: mujoco.MjSpec) -> None:
 
 def release_whole_turns(spec: mujoco.MjSpec, driven: Collection[str]) -> None:
     """Remove the range from passive hinges that may turn by a whole turn. driven: names of the joints with a motor."""
-    for joint in whole_turns(spec, driven):
-        joint.limited = False
-
-
-def whole_turns(spec: mujoco.MjSpec, driven: Collection[str]) -> list[mujoco.MjsJoint]:
-    """Passive hinges with a range of a whole turn or more."""
-    import mujoco  # noqa: PLC0415 - likewise
-
     turn = math.degrees(WHOLE_TURN) if spec.compiler.degree else WHOLE_TURN
     stops = {mujoco.mjtLimited.mjLIMITED_TRUE}
     if spec.compiler.autolimits:
         stops.add(mujoco.mjtLimited.mjLIMITED_AUTO)
-    return [
-        joint
-        for joint in spec.joints
-        if joint.type == mujoco.mjtJoint.mjJNT_HINGE
-        and joint.limited in stops
-        and joint.name not in driven
-        and joint.range[1] - joint.range[0] >= turn
-    ]
+    for joint in spec.joints:
+        passive = joint.type == mujoco.mjtJoint.mjJNT_HINGE and joint.name not in driven
+        if passive and joint.limited in stops and joint.range[1] - joint.range[0] >= turn:
+            joint.limited = False

@@ -15,8 +15,7 @@ class JointFacts:
 
     `home` is its position (rad or m) in the keyframe `home`, else in qpos0; `in_loop`: the robot has closed loops.
     `geared`: the position is that of a motor before its gear, which may run through many turns. `logs_effort`: its
-    logged currents are torques or forces. `redundant`: its motor is redundant, that is, beyond the degrees of
-    freedom.
+    logged currents are torques or forces. `redundant`: its motor is beyond the degrees of freedom.
     """
 
     name: str

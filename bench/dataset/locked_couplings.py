@@ -1,18 +1,13 @@
 """Equalities and fixed tendons with locked joints, reduced to the joints that are not locked."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
+import mujoco
 import numpy as np
 from numpy.polynomial import Polynomial
 
 from bench.basics.errors import BenchError
 from bench.basics.joint_units import joint_units
-
-if TYPE_CHECKING:
-    import mujoco
 
 AGREE = 1e-6  # rad or m: largest gap of an equality whose joints are all locked, as in the home pose
 DIGITS = 1e-3  # m or rad: largest gap of a loop of locked joints, whose values may be typed with few digits
@@ -48,8 +43,6 @@ def drop_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[
     plain: the compiled file, whose equalities have the same indices. Raises BenchError if one is open at the locked
     positions, and if a coupling ties a joint that is not locked to a locked one.
     """
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     at = mujoco.MjData(plain)
     for name, value in values.items():
         at.joint(name).qpos[0] = value
@@ -75,10 +68,9 @@ def drop_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[
             if not set(ends) & set(values):
                 continue
             if equality.active:
-                travels = [
-                    values[name] - _reference(plain, name) if name in values else None for name in ends
-                ]
-                _check_equality(plain, label, ends, travels, Polynomial(np.array(equality.data[:POWERS])))
+                held_at = [values.get(name) for name in ends]
+                law = Polynomial(np.array(equality.data[:POWERS]))
+                _check_equality(plain, label, ends, held_at, law)
         else:
             continue
         spec.delete(equality)
@@ -86,8 +78,6 @@ def drop_equalities(spec: mujoco.MjSpec, plain: mujoco.MjModel, values: Mapping[
 
 def held_bodies(plain: mujoco.MjModel, equality: int) -> list[int]:
     """The two bodies that a connect or weld holds together."""
-    import mujoco  # noqa: PLC0415 - likewise
-
     ends = [int(plain.eq_obj1id[equality]), int(plain.eq_obj2id[equality])]
     if int(plain.eq_objtype[equality]) == int(mujoco.mjtObj.mjOBJ_SITE):
         return [int(plain.site_bodyid[site]) for site in ends]
@@ -105,12 +95,11 @@ def _moved_with(plain: mujoco.MjModel, body: int, held: set[int]) -> int:
 
 
 def _check_equality(
-    plain: mujoco.MjModel, label: str, ends: list[str], travels: list[float | None], law: Polynomial
+    plain: mujoco.MjModel, label: str, ends: list[str], values: list[float | None], law: Polynomial
 ) -> None:
-    """Raise BenchError unless the locked joints satisfy an equality and it ties no other joint.
-
-    travels: of the locked joints from qpos0; None for a joint that is not locked.
-    """
+    """Raise BenchError unless the locked joints satisfy an equality and it ties no other. values: None: not locked."""
+    homes = [_reference(plain, name) for name in ends]
+    travels = [None if value is None else value - home for value, home in zip(values, homes, strict=True)]
     first, second = (*travels, 0.0)[:2]
     if law.trim().degree() == 0:
         second = 0.0  # the equality fixes the first joint, independently of the second
@@ -120,15 +109,13 @@ def _check_equality(
         travel = min((root.real for root in roots if abs(root.imag) < AGREE), key=abs, default=None)
         if travel is None:
             raise BenchError(f"equality {label!r}: no position of {free!r} allows this one of {other!r}")
-        at = float(travel) + _reference(plain, free)
+        at = float(travel) + homes[1]
         raise BenchError(f"equality {label!r} ties {free!r} to {other!r}: lock it too, {free} = {at:.10g}")
-    at = float(law(second or 0.0)) + _reference(plain, ends[0])
+    at, free = float(law(second or 0.0)) + homes[0], ends[0]
     if first is None:
-        raise BenchError(
-            f"equality {label!r} ties {ends[0]!r} to {ends[1]!r}: lock it too, {ends[0]} = {at:.10g}"
-        )
-    if abs(first + _reference(plain, ends[0]) - at) > AGREE:
-        raise BenchError(f"equality {label!r} holds {ends[0]!r} at {at:.10g}: lock it there")
+        raise BenchError(f"equality {label!r} ties {free!r} to {ends[1]!r}: lock it too, {free} = {at:.10g}")
+    if abs(first + homes[0] - at) > AGREE:
+        raise BenchError(f"equality {label!r} holds {free!r} at {at:.10g}: lock it there")
 
 
 def shorten_tendons(
@@ -138,16 +125,13 @@ def shorten_tendons(
 
     Returns what the locked joints add to the lengths, and the tendons that had no other joint and are removed.
     """
-    import mujoco  # noqa: PLC0415 - likewise
-
     lengths: dict[str, float] = {}
     travels: dict[str, float] = {}
     empty: set[str] = set()
     for tendon in list(spec.tendons):
         path = [tendon.path[i] for i in range(len(tendon.path))]
-        joints = [
-            (wrap.target.name, float(wrap.coef)) for wrap in path if wrap.type == mujoco.mjtWrap.mjWRAP_JOINT
-        ]
+        on_joints = (wrap for wrap in path if wrap.type == mujoco.mjtWrap.mjWRAP_JOINT)
+        joints = [(wrap.target.name, float(wrap.coef)) for wrap in on_joints]
         held = [(name, factor) for name, factor in joints if name in values]
         if not held:
             continue
@@ -155,9 +139,9 @@ def shorten_tendons(
         lengths[name] = sum(factor * values[joint] for joint, factor in held)
         travels[name] = sum(factor * (values[joint] - _reference(plain, joint)) for joint, factor in held)
         others = [(joint, factor) for joint, factor in joints if joint not in values]
-        fields = {field: getattr(tendon, field) for field in COPIED}
         fields = {
-            field: value.copy() if isinstance(value, np.ndarray) else value for field, value in fields.items()
+            field: value.copy() if isinstance(value := getattr(tendon, field), np.ndarray) else value
+            for field in COPIED
         }
         ends = np.array(tendon.range) - lengths[name]
         relaxed = plain.tendon_lengthspring[plain.tendon(name).id] - lengths[name]
@@ -194,9 +178,7 @@ def _shift(
         raise BenchError(f"equality {label!r} ties tendon {second!r} to locked joints: lock its joints too")
     if second in empty:
         equality.name2, law = "", Polynomial(law(0.0))
-    numbers = np.zeros(POWERS)
-    numbers[: len(law.coef)] = law.coef
-    equality.data[:POWERS] = numbers
+    equality.data[:POWERS] = np.pad(law.coef, (0, POWERS - len(law.coef)))
 
 
 def _reference(plain: mujoco.MjModel, joint: str) -> float:

@@ -4,18 +4,14 @@ Identification needs only bodies, joints, sites and closures. A simulation also 
 would come from such a mesh is refused by name.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING
+
+import mujoco
 
 from bench.basics.errors import BenchError
-
-if TYPE_CHECKING:
-    import mujoco
 
 KEPT = 32  # files: a command reads the same one repeatedly
 OPENING = re.compile(r"Error opening file '(.+?)'")
@@ -27,9 +23,7 @@ MASSLESS = "mass and inertia of moving bodies"
 
 @dataclass(frozen=True)
 class Unreadable:
-    """files: unreadable files, as the MJCF names them; bodies: the moving bodies whose mass comes, or may come, from
-    shapes in these files.
-    """
+    """files: as the MJCF names them; bodies: moving ones whose mass comes, or may come, from shapes in these."""
 
     files: tuple[str, ...] = ()
     bodies: tuple[str, ...] = ()
@@ -40,8 +34,6 @@ def read_spec(path: Path) -> mujoco.MjSpec:
 
     Raises ValueError if MuJoCo refuses the file, BenchError for a body that has no mass without them.
     """
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     spec = mujoco.MjSpec.from_file(str(path))
     if _parts(spec):
         for file in unreadable(path).files:
@@ -56,8 +48,6 @@ def unreadable(path: Path) -> Unreadable:
 
 @lru_cache(maxsize=KEPT)
 def _unreadable(path: Path, _changed: int) -> Unreadable:
-    import mujoco  # noqa: PLC0415 - likewise
-
     spec = mujoco.MjSpec.from_file(str(path))
     files: list[str] = []
     bodies: list[str] = []
@@ -117,11 +107,7 @@ def _moves(body: mujoco.MjsBody) -> bool:
 
 
 def _remove(spec: mujoco.MjSpec, file: str) -> list[str]:
-    """Remove all parts that need this file; return the names of the moving bodies whose mass comes from the removed
-    shapes.
-    """
-    import mujoco  # noqa: PLC0415 - likewise
-
+    """Remove all parts that need this file; return the moving bodies whose mass comes from the removed shapes."""
     gone = [part for part in _parts(spec) if part.file == file]
     names = {type(part): {other.name for other in gone if type(other) is type(part)} for part in gone}
     meshes, fields = names.get(mujoco.MjsMesh, set()), names.get(mujoco.MjsHField, set())

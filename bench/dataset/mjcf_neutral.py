@@ -1,39 +1,27 @@
 """Keep parts that are added to an MJCF unaffected by its default classes and its compiler settings for masses."""
 
-from __future__ import annotations
-
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
+import mujoco
 import numpy as np
-
-if TYPE_CHECKING:
-    import mujoco
 
 
 def neutral() -> mujoco.MjsDefault:
-    """MuJoCo's defaults, for `add_joint` and similar methods: without them, a part inherits the default class of its
-    body.
-    """
+    """MuJoCo's defaults, for `add_joint` etc.: without them, a part inherits the default class of its body."""
     return _empty().default
 
 
 @lru_cache(maxsize=1)
 def _empty() -> mujoco.MjSpec:
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     return mujoco.MjSpec()
 
 
 def keep_masses(spec: mujoco.MjSpec) -> None:
-    """Give every body explicitly the mass and inertia that result from the compiler's settings, and reset these
-    settings.
+    """Give every body explicitly the mass and inertia by the compiler's settings, and reset these.
 
     Otherwise `inertiafromgeom="true"` would give an added body without shapes no mass, `settotalmass` would
     distribute the mass of a payload over all bodies, and `boundmass` would make a rotor heavy.
     """
-    import mujoco  # noqa: PLC0415 - likewise
-
     compiler, plain = spec.compiler, _empty().compiler
     changing = ("balanceinertia", "boundmass", "boundinertia", "settotalmass", "inertiafromgeom")
     if all(getattr(compiler, name) == getattr(plain, name) for name in changing):

@@ -32,9 +32,8 @@ def inertia_matrix(inertia: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
 def payload_fault(payload: Payload) -> tuple[str, str] | None:
     """The key and the reason why no rigid body can have these values; None if one can.
 
-    A rigid body has a positive mass and principal moments that are not negative, of which none exceeds the
-    sum of the other two (the triangle inequality). A thin rod or a point mass is a limiting case: zero
-    moments are accepted.
+    A rigid body has a positive mass and principal moments that are not negative, of which none exceeds the sum of the
+    other two (the triangle inequality). Zero moments, of a thin rod or a point mass, are accepted.
     """
     mass, center = payload.mass, payload.center_of_mass
     if mass is not None and not mass > 0.0:

@@ -1,14 +1,12 @@
 """Checks of a log's signals: wrong units, limits, constant, stuck, spiked, clipped.
 
-Each check looks at one column and returns the first finding or None. They are designed to stay silent on clean,
-noisy, quantised and slow data: a signal is compared with itself, with a tolerance for its resolution (its smallest
-step). A finding can still be a false alarm: with accept = ["saturated"], a recording skips a check that its user has
-examined.
+Each check looks at one column and returns the first finding or None. They are designed to stay silent on clean, noisy,
+quantised and slow data: a signal is compared with itself, with a tolerance for its resolution (its smallest step). A
+finding can still be a false alarm: accept = ["saturated"] skips a check for a recording.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import get_args
 
 import numpy as np
@@ -56,9 +54,7 @@ class Fault:
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """One column: `values` (N,), `step` s between samples, and the joint if the column is its position. effort: a
-    column of currents contains torques or forces.
-    """
+    """values (N,); step, s, between samples; joint: of a position; effort: whether currents are torques or forces."""
 
     values: Array
     step: float
@@ -90,9 +86,7 @@ def constant(channel: Channel) -> Fault | None:
 
 
 def only_noise(values: Array) -> bool:
-    """Whether values (N,) resemble white noise: its differences have an RMS of √2 standard deviations, those of a
-    movement far less.
-    """
+    """Whether values (N,) resemble white noise, whose differences have an RMS of √2 standard deviations."""
     return bool(np.sqrt(np.mean(np.diff(values) ** 2)) >= 0.5 * values.std())
 
 
@@ -156,12 +150,8 @@ def limits(channel: Channel) -> Fault | None:
         return None
     row = int(outside[0])
     unit = joint_units(joint.kind == "hinge").position
-    return Fault(
-        "limits",
-        row,
-        f"{values[row]:g} {unit} is outside of the joint's range [{joint.lower:g}, {joint.upper:g}]"
-        f"{and_more(outside.size)}",
-    )
+    what = f"{values[row]:g} {unit} is outside of the joint's range [{joint.lower:g}, {joint.upper:g}]"
+    return Fault("limits", row, f"{what}{and_more(outside.size)}")
 
 
 def current_units(channel: Channel) -> Fault | None:
@@ -198,8 +188,8 @@ def position_spikes(channel: Channel) -> Fault | None:
     return Fault("spikes", row, f"{what} by {jump:.4g} from one sample to the next{hint}{and_more(count)}")
 
 
-def _stands_alone(steps: Array, k: int, reach: int = 6) -> bool:
-    around = np.sort(np.delete(steps[max(0, k - reach) : k + reach + 1], min(k, reach)))
+def _stands_alone(steps: Array, k: int) -> bool:
+    around = np.sort(np.delete(steps[max(0, k - 6) : k + 7], min(k, 6)))
     return bool(around[-2] < steps[k] / 8.0)
 
 
@@ -211,15 +201,11 @@ def current_spikes(channel: Channel) -> Fault | None:
     far = np.flatnonzero(distance > 5.0 * (high - low))
     if not 0 < far.size <= max(2, values.size // 500):
         return None
-    alone = [k for k in far.tolist() if _excursion_alone(distance, k)]
+    beside = np.maximum(np.append(distance[1:], 0.0), np.append(0.0, distance[:-1]))
+    alone = [k for k in far.tolist() if beside[k] < distance[k] / 5.0]
     if not alone:
         return None
     return Fault("spikes", alone[0], f"spikes to {values[alone[0]]:.4g} for one sample{and_more(len(alone))}")
-
-
-def _excursion_alone(distance: Array, k: int) -> bool:
-    neighbours = [distance[i] for i in (k - 1, k + 1) if 0 <= i < distance.size]
-    return bool(max(neighbours) < distance[k] / 5.0)
 
 
 def frozen(channel: Channel) -> Fault | None:
@@ -234,24 +220,21 @@ def frozen(channel: Channel) -> Fault | None:
     long = lengths >= max(10, 3 * lag)
     if not long.any():
         return None
+    first, last = starts[long], (starts + lengths - 1)[long]
     bend = np.zeros_like(values)
     bend[lag:-lag] = np.abs(values[2 * lag :] - 2.0 * values[lag:-lag] + values[: -2 * lag])
-    edges = np.concatenate([starts[long], (starts + lengths - 1)[long]])
+    edges = np.concatenate([first, last])
     elsewhere = np.ones(values.size, dtype=bool)
     for shift in range(-lag, lag + 1):
         elsewhere[np.clip(edges + shift, 0, values.size - 1)] = False
     usual = np.quantile(bend[elsewhere], 0.995) if elsewhere.any() else 0.0
     limit = 6.0 * usual + 6.0 * resolution(values)
-    first, last = starts[long], (starts + lengths - 1)[long]
     stuck = np.flatnonzero((bend[first] > limit) | (bend[last] > limit))
     if not stuck.size:
         return None
     row, count = int(first[stuck[0]]), int(lengths[long][stuck[0]])
-    return Fault(
-        "frozen",
-        row,
-        f"is stuck at {values[row]:g} for {count} samples though the joint is moving{and_more(stuck.size)}",
-    )
+    what = f"is stuck at {values[row]:g} for {count} samples though the joint is moving"
+    return Fault("frozen", row, f"{what}{and_more(stuck.size)}")
 
 
 def saturated(channel: Channel) -> Fault | None:
@@ -277,11 +260,8 @@ def saturated(channel: Channel) -> Fault | None:
         depth = np.round(sign * (values - extreme) / level)
         counts = np.bincount(depth[depth < 5].astype(np.int64), minlength=5)
         if counts[0] >= 10 and counts[0] >= 5 * counts[1:5].max():
-            row = int(starts[held][0])
-            count = int(counts[0])
-            return Fault(
-                "saturated", row, f"is held at its extreme, {extreme:g}: {count} samples are clipped"
-            )
+            what = f"is held at its extreme, {extreme:g}: {counts[0]} samples are clipped"
+            return Fault("saturated", int(starts[held][0]), what)
     return None
 
 
@@ -292,9 +272,7 @@ def runs(values: Array) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
 
 
 def resolution(values: Array) -> float:
-    """The smallest step between samples of values (N,): the quantum of a quantised signal, tiny for others, 0 for a
-    constant.
-    """
+    """The smallest step of values (N,): the quantum of a quantised signal, tiny for others, 0 for a constant."""
     steps = np.abs(np.diff(values))
     large = steps[steps > 1e-9 * np.ptp(values)]
     return float(large.min()) if large.size else 0.0
@@ -307,15 +285,16 @@ def _joint(channel: Channel) -> JointFacts:
 
 
 _Function = Callable[[Channel], Fault | None]
-POSITION_CHECKS: Mapping[str, _Function] = MappingProxyType(
-    {
-        "constant": constant,
-        "frozen": frozen,
-        "spikes": position_spikes,
-        "units": position_units,
-        "limits": limits,
-    }
-)
-CURRENT_CHECKS: Mapping[str, _Function] = MappingProxyType(
-    {"constant": constant, "spikes": current_spikes, "units": current_units, "saturated": saturated}
-)
+POSITION_CHECKS: Mapping[str, _Function] = {
+    "constant": constant,
+    "frozen": frozen,
+    "spikes": position_spikes,
+    "units": position_units,
+    "limits": limits,
+}
+CURRENT_CHECKS: Mapping[str, _Function] = {
+    "constant": constant,
+    "spikes": current_spikes,
+    "units": current_units,
+    "saturated": saturated,
+}

@@ -1,6 +1,7 @@
 """All faults of the columns that a recording needs, each with its cure."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import combinations, pairwise
 
@@ -28,36 +29,39 @@ def faults_of(
     """
     faults: list[RecordingFaultError] = []
     time = _read(table, "time", faults)
-    signals: dict[str, tuple[np.ndarray, JointFacts]] = {}
-    for kind in ("position", "current"):
-        for joint in joints:
-            column = f"{kind}.{joint.name}"
-            if column not in table.columns:
-                continue
-            values = _read(table, column, faults, time)
-            if values is not None:
-                signals[column] = values, joint
+    by_name = {joint.name: joint for joint in joints}
+    columns = [f"{kind}.{name}" for kind in ("position", "current") for name in by_name]
+    there = {column: _read(table, column, faults, time) for column in columns if column in table.columns}
     if time is None:
         return faults
     fault = time_fault(time)
     if fault is not None:
-        cure = f"; {_between_gaps(time)}" if fault.gap else _imported(fault.remedy)
+        cure = f"; {_between_gaps(time)}" if fault.remedy is Remedy.CUT_AT_GAPS else _imported(fault.remedy)
         said = f"{table.place('time', fault.row)}: {fault.what}"
         faults.append(RecordingFaultError(said, cure, fault.remedy, column="time"))
     if fault is not None and fault.row is None and fault.remedy not in SECONDS:
         return faults  # the sampling rate is unknown
-    positions = {
-        joint.name: values
-        for column, (values, joint) in signals.items()
-        if column.startswith("position.") and "limits" not in accepted
-    }
-    swapped = exchanged(positions, joints)
-    for column, (values, joint) in signals.items():
-        findings = faults_in(column, values, time, joint, fault, accepted)
-        if column.startswith("position."):
-            findings = without_exchange(findings, swapped.get(joint.name))
-        faults += [_fault_of(table, column, finding) for finding in findings]
-    return faults
+    signals = {column: values for column, values in there.items() if values is not None}
+    findings = signal_faults(signals, by_name, time, fault, accepted)
+    return [*faults, *(_fault_of(table, column, finding) for column, finding in findings)]
+
+
+def signal_faults(
+    signals: Mapping[str, Array],
+    joints: Mapping[str, JointFacts],
+    time: Array,
+    fault: TimeFault | None,
+    accepted: frozenset[str],
+) -> Iterator[tuple[str, Fault]]:
+    """The findings in columns (N,) of positions and currents, each with its column. fault: of the time (N,)."""
+    positions = {name: signals[column] for name in joints if (column := f"position.{name}") in signals}
+    swapped = exchanged({} if "limits" in accepted else positions, list(joints.values()))
+    for column, values in signals.items():
+        kind, _, name = column.partition(".")
+        findings = faults_in(column, values, time, joints[name], fault, accepted)
+        if kind == "position":
+            findings = without_exchange(findings, swapped.get(name))
+        yield from ((column, finding) for finding in findings)
 
 
 def _read(
@@ -83,11 +87,9 @@ def faults_in(
     fault: TimeFault | None,
     accepted: frozenset[str],
 ) -> list[Fault]:
-    """The findings of the checks. A log with cuts is checked in its longest stretch, one with a wrong unit of time at
-    the corrected rate.
-    """
+    """The findings in a log; with cuts, in its longest stretch; with a wrong unit of time, at the corrected rate."""
     start, stop = 0, time.size
-    if fault is not None and fault.in_pieces:
+    if fault is not None and fault.remedy in (Remedy.CUT_AT_GAPS, Remedy.CUT_WHERE_BACK):
         pieces = pairwise([0, *cut_rows(time).tolist(), time.size])
         start, stop = max(pieces, key=lambda piece: piece[1] - piece[0])
     step = float(np.median(np.abs(np.diff(time[start:stop]))))
@@ -95,17 +97,13 @@ def faults_in(
         step *= SECONDS[fault.remedy]
     if not step > 0.0:
         return []
-    position = column.startswith("position.")
-    channel = Channel(
-        np.ascontiguousarray(values[start:stop]),
-        step,
-        joint if position else None,
-        effort=joint.logs_effort and not position,
-    )
+    samples = np.ascontiguousarray(values[start:stop])
+    if column.startswith("position."):
+        channel = Channel(samples, step, joint)
+    else:
+        channel = Channel(samples, step, effort=joint.logs_effort)
     return [
-        finding
-        if finding.row is None
-        else Fault(finding.check, finding.row + start, finding.what, finding.remedy)
+        finding if finding.row is None else replace(finding, row=finding.row + start)
         for finding in find(channel, accepted)
     ]
 
@@ -180,29 +178,22 @@ def exchanged(positions: Mapping[str, Array], joints: Sequence[JointFacts]) -> d
     there = [joint for joint in joints if joint.name in positions]
     for first, second in combinations(there, 2):
         ours, theirs = positions[first.name], positions[second.name]
-        if _inside(ours, first) or _inside(theirs, second):
-            continue
-        if _inside(ours, second) and _inside(theirs, first):
+        outside = not (_inside(ours, first) or _inside(theirs, second))
+        if outside and _inside(ours, second) and _inside(theirs, first):
             by_name |= {first.name: second, second.name: first}
     return by_name
 
 
-def exchange_fault(other: JointFacts) -> Fault:
-    """The fault of a column that is swapped with that of another joint."""
-    return Fault(
-        "limits",
-        None,
-        f"lies in the range of {other.name}, [{other.lower:g}, {other.upper:g}], and position.{other.name} in the "
-        "range of this joint: are the two columns swapped?",
-    )
-
-
 def without_exchange(findings: Sequence[Fault], other: JointFacts | None) -> list[Fault]:
     """Findings of a column; if it is swapped with that of another joint, this replaces findings of units and limits."""
-    if other is None or not any(finding.check in ("units", "limits") for finding in findings):
-        return list(findings)
     kept = [finding for finding in findings if finding.check not in ("units", "limits")]
-    return [exchange_fault(other), *kept]
+    if other is None or len(kept) == len(findings):
+        return list(findings)
+    said = (
+        f"lies in the range of {other.name}, [{other.lower:g}, {other.upper:g}], and position.{other.name} in the "
+        "range of this joint: are the two columns swapped?"
+    )
+    return [Fault("limits", None, said), *kept]
 
 
 def _inside(values: Array, joint: JointFacts) -> bool:

@@ -28,8 +28,7 @@ def load_recordings(
 ) -> list[Recording]:
     """Read the CSV or Parquet file `path` as a recording of the driven `joints`; see recording_from_table.
 
-    Each used stretch becomes a separate recording, since no filter may run across a cut. Only the used samples are
-    checked.
+    Each used stretch becomes a separate recording, as no filter may run across a cut. Only used samples are checked.
     """
     table = read_table(path)
     _check_columns(table, ["time"])
@@ -37,24 +36,15 @@ def load_recordings(
     recordings = [recording_from_table(part, name, use, payload, joints, accept) for part in parts]
     if window == WHOLE:
         return recordings
-    started = window.began(table)
+    started = float(np.nanmin(table.stamps()))
     if len(recordings) == 1:
         return [replace(recordings[0], started=started)]
-    return [
-        replace(
-            recording,
-            name=f"{name} ({' to '.join(_stamps(recording))} s)",
-            part_of=name,
-            started=started,
-        )
-        for recording in recordings
-    ]
-
-
-def _stamps(recording: Recording) -> list[str]:
-    """Start and end of a part of a log, rounded to a thousandth of its length."""
-    first, last = float(recording.time[0]), float(recording.time[-1])
-    return [stamp_to(stamp, 1e-3 * (last - first)) for stamp in (first, last)]
+    parted = []
+    for recording in recordings:
+        ends = recording.time[[0, -1]].tolist()
+        span = " to ".join(stamp_to(end, 1e-3 * (ends[1] - ends[0])) for end in ends)
+        parted.append(replace(recording, name=f"{name} ({span} s)", part_of=name, started=started))
+    return parted
 
 
 def recording_from_table(
@@ -68,8 +58,7 @@ def recording_from_table(
     """The columns of a table as a recording of the driven `joints`, on a uniform time grid.
 
     The joints of redundant motors come last; their positions, which follow from the others, are kept among the extra
-    columns. Every check of bench.dataset.sampling and bench.dataset.recording_checks runs, except for the accepted
-    ones.
+    columns. Every check of `sampling` and `recording_checks` runs, except for the accepted ones.
 
     Errors: RecordingFaultError "FILE: column COLUMN, line N: ..." for the first fault, which contains all others; a
     BenchError if columns are missing.
@@ -80,21 +69,18 @@ def recording_from_table(
         raise faults[0].among(tuple(faults[1:]))
     time = table.numbers("time")
     signals = np.column_stack([table.numbers(column) for column in columns])
-    extra = {
-        c: table.numbers(c) for c in table.columns if c and c not in ("time", *columns) and table.is_plain(c)
-    }
+    others = [column for column in table.columns if column and column not in ("time", *columns)]
+    extra = {column: table.numbers(column) for column in others if table.is_plain(column)}
     n = len(joints)
     repeated = repeated_rows(signals[:, :n], signals[:, n:])
     held = float(repeated.mean())
     time, position, current, extra = on_uniform_grid(time, signals[:, :n], signals[:, n:], extra, repeated)
     first = n - sum(joint.redundant for joint in joints)
-    if first == n:
-        return Recording(name, use, payload, time, position, current, extra, held=held)
-    extra |= {position_column(joints[j].name): position[:, j] for j in range(first, n)}
-    positions, currents = (np.ascontiguousarray(values[:, :first]) for values in (position, current))
-    return Recording(
-        name, use, payload, time, positions, currents, extra, redundant=current[:, first:], held=held
-    )
+    redundant = current[:, first:] if first < n else None
+    if first < n:
+        extra |= {position_column(joints[j].name): position[:, j] for j in range(first, n)}
+        position, current = (np.ascontiguousarray(values[:, :first]) for values in (position, current))
+    return Recording(name, use, payload, time, position, current, extra, redundant=redundant, held=held)
 
 
 def _check_columns(table: FileTable, needed: Sequence[str]) -> None:

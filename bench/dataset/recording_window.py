@@ -27,11 +27,9 @@ def _spans(value: Any) -> tuple[tuple[float, float], ...]:
             raise ValueError(f"[{span[0]:.12g}, {span[1]:.12g}] does not start before it ends")
         spans.append((float(span[0]), float(span[1])))
     spans.sort()
-    for earlier, other in pairwise(spans):
-        if other[0] < earlier[1]:
-            raise ValueError(
-                f"[{earlier[0]:.12g}, {earlier[1]:.12g}] and [{other[0]:.12g}, {other[1]:.12g}] overlap"
-            )
+    for (a, b), (c, d) in pairwise(spans):
+        if c < b:
+            raise ValueError(f"[{a:.12g}, {b:.12g}] and [{c:.12g}, {d:.12g}] overlap")
     return tuple(spans)
 
 
@@ -69,10 +67,6 @@ class Window:
                         f"{first:.12g} to {last:.12g} s"
                     )
         return [_part(table, *stretch) for stretch in self._stretches(time, first, last)]
-
-    def began(self, table: "FileTable") -> float:
-        """Start of the log, s, whichever part of it is used."""
-        return float(np.nanmin(table.stamps()))
 
     def _stretches(
         self, time: npt.NDArray[np.float64], first: float, last: float

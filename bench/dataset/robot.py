@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import Annotated, Literal, Self
 
+import mujoco
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
@@ -26,9 +27,6 @@ from bench.dataset.robot_mjcf import (
     robot_spec,
 )
 from bench.dataset.robot_redundancy import independent_motors
-
-if TYPE_CHECKING:
-    import mujoco
 
 GainUnit = Literal["N*m/A", "N/A", "N*m/V", "N/V", "N*m/(N*m)", "N/N", "1"]
 TORQUE_LOGS = {"N*m": "N*m/(N*m)", "N": "N/N"}  # effort -> gain unit if efforts are logged
@@ -68,15 +66,15 @@ class Robot:
     locked: tuple[LockedJoint, ...] = ()
     """Joints that are held: the simulated machine and the model do not have them."""
 
-    def mjcf_model(self) -> "mujoco.MjModel":
+    def mjcf_model(self) -> mujoco.MjModel:
         """The compiled MJCF without the locked joints and with a joint for every motor."""
         return robot_model(self.model_path, self.setup)
 
-    def mjcf_spec(self) -> "mujoco.MjSpec":
+    def mjcf_spec(self) -> mujoco.MjSpec:
         """The same before compilation, to be edited."""
         return robot_spec(self.model_path, self.setup)
 
-    def mjcf_as_drawn(self) -> "mujoco.MjSpec":
+    def mjcf_as_drawn(self) -> mujoco.MjSpec:
         """The same before rounding errors of the drawing are corrected."""
         return drawn_spec(self.model_path, self.setup)
 
@@ -132,9 +130,7 @@ def load_robot(robot: str | Path, relative_to: Path | None = None) -> Robot:
     model_path = description.parent / table.model
     if not model_path.is_file():
         raise BenchError(f"{description}: model: there is no file {model_path}")
-    actuators = tuple(
-        Actuator(motor.name, motor.gain, motor.gain_unit, motor.drives) for motor in table.actuators
-    )
+    actuators = tuple(Actuator(part.name, part.gain, part.gain_unit, part.drives) for part in table.actuators)
     locked = _locked(description, actuators, table.locked, model_path) if table.locked else ()
     actuators, independent = _checked(description, actuators, table.tool, model_path, locked)
     return Robot(
@@ -159,9 +155,7 @@ def refuse_redundant(robot: Robot, what: str) -> None:
 
 
 def refuse_other_locks(robot: Robot, locked: Sequence[LockedJoint], where: str) -> None:
-    """Raise BenchError if the model that `where` names has other locked joints than this robot, or other positions of
-    them.
-    """
+    """Raise BenchError if the model that `where` names has other locked joints, or other positions of them."""
     if set(locked) != set(robot.locked):
         raise BenchError(
             f"{where}: a model with {locked_in_words(locked)} locked, but robot {robot.name} locks "
@@ -277,9 +271,7 @@ def _locked(
     return locked
 
 
-def _refuse_driven(
-    plain: "mujoco.MjModel", actuators: Sequence[Actuator], locked: Mapping[str, float]
-) -> None:
+def _refuse_driven(plain: mujoco.MjModel, actuators: Sequence[Actuator], locked: Mapping[str, float]) -> None:
     transmissions = {transmission.name: transmission for transmission in _transmissions(actuators)}
     for i, actuator in enumerate(actuators):
         other = transmissions.get(actuator.joint)
@@ -288,12 +280,8 @@ def _refuse_driven(
             raise BenchError(f"actuators[{i}] drives {driven[0]!r}; leave out one of the two")
 
 
-def _compiled(
-    where: str, model_path: Path, setup: RobotSetup = AS_IT_IS
-) -> tuple["mujoco.MjModel", list[str]]:
+def _compiled(where: str, model_path: Path, setup: RobotSetup = AS_IT_IS) -> tuple[mujoco.MjModel, list[str]]:
     """The compiled MJCF and the names of its joints. Raises BenchError that begins with the file, or with `where`."""
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     try:
         model = robot_model(model_path, setup)
         return model, [model.joint(i).name for i in range(model.njnt)]  # ValueError: a name is not UTF-8
@@ -314,38 +302,31 @@ def _checked(
 
     A gain of unit 1 gets the unit N*m/(N*m) at a hinge and N/N at a slide.
     """
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     setup = RobotSetup(_transmissions(actuators), locked)
     model, joint_names = _compiled(f"{description}: actuators", model_path, setup)
     units = {int(mujoco.mjtJoint.mjJNT_HINGE): HINGE.effort, int(mujoco.mjtJoint.mjJNT_SLIDE): SLIDE.effort}
     checked: list[Actuator] = []
     seen: dict[str, int] = {}
     for i, actuator in enumerate(actuators):
-        key = f"{description}: actuators[{i}]"
-        if actuator.joint in seen:
+        key, name = f"{description}: actuators[{i}]", actuator.joint
+        if name in seen:
+            raise BenchError(f"{key}.joint: {name!r} is already driven by actuators[{seen[name]}]")
+        seen[name] = i
+        if name not in joint_names:
+            known = ", ".join(joint for joint in joint_names if joint) or "none with a name"
+            raise BenchError(f"{key}.joint: {model_path.name} has no joint {name!r} (it has: {known})")
+        effort = units.get(int(model.joint(name).type[0]))
+        if effort is None:
             raise BenchError(
-                f"{key}.joint: {actuator.joint!r} is already driven by actuators[{seen[actuator.joint]}]"
+                f"{key}.joint: {name!r} is a ball or free joint; a motor drives a hinge or slide"
             )
-        seen[actuator.joint] = i
-        if actuator.joint not in joint_names:
-            known = ", ".join(name for name in joint_names if name) or "none with a name"
-            raise BenchError(
-                f"{key}.joint: {model_path.name} has no joint {actuator.joint!r} (it has: {known})"
-            )
-        kind = int(model.joint(actuator.joint).type[0])
-        if kind not in units:
-            raise BenchError(
-                f"{key}.joint: {actuator.joint!r} is a ball or free joint; a motor drives a hinge or slide"
-            )
-        unit = TORQUE_LOGS[units[kind]] if actuator.gain_unit == "1" else actuator.gain_unit
+        given = actuator.gain_unit
+        unit = TORQUE_LOGS[effort] if given == "1" else given
         checked.append(replace(actuator, gain_unit=unit))
-        if unit.split("/")[0] != units[kind]:
-            noun = "slide" if units[kind] == SLIDE.effort else "hinge"
-            allowed = f'"{units[kind]}/A" or "{units[kind]}/V", or "1" for a log of torques'
-            raise BenchError(
-                f"{key}.gain_unit: {actuator.joint!r} is a {noun}: {allowed}, got {actuator.gain_unit!r}"
-            )
+        if unit.split("/")[0] != effort:
+            noun = "slide" if effort == SLIDE.effort else "hinge"
+            allowed = f'"{effort}/A" or "{effort}/V", or "1" for a log of torques'
+            raise BenchError(f"{key}.gain_unit: {name!r} is a {noun}: {allowed}, got {given!r}")
     try:
         independent = independent_motors(model, list(seen)) if model.neq else tuple(seen)
     except BenchError as error:

@@ -7,19 +7,14 @@ make them agree in many poses at once. Both corrections stay within ROUNDING; a 
 robot check` reports.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+import mujoco
 import numpy as np
 
 from bench.basics.joint_units import joint_units
 from bench.dataset.home_qpos import home_qpos
-
-if TYPE_CHECKING:
-    import mujoco
 
 ROUNDING = 1e-5  # m or rad: largest gap from the rounding of a drawing; a wider gap is a mistake
 CLOSED = 1e-9  # m or rad: a smaller gap counts as closed
@@ -42,8 +37,6 @@ class _Closures:
 
     def at(self, qpos: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Gaps of the equalities (m,) [m, rad] at qpos (nq,), and their Jacobian (m, nv)."""
-        import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
         self.data.qpos[:] = qpos
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_comPos(self.model, self.data)
@@ -53,8 +46,6 @@ class _Closures:
 
     def closed(self, qpos: np.ndarray) -> np.ndarray:
         """The pose (nq,) near qpos that closes the loops in the least-squares sense."""
-        import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
         for _ in range(MOST_STEPS):
             gap, jacobian = self.at(qpos)
             move = -np.linalg.lstsq(jacobian, gap, rcond=DEPENDENT)[0]
@@ -65,11 +56,7 @@ class _Closures:
         return qpos
 
     def poses(self, home: np.ndarray, count: int) -> list[np.ndarray]:
-        """Closed poses, each a random step of the free motions from the previous one, or home again if that cannot be
-        closed.
-        """
-        import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
+        """Closed poses, each a random free step from the previous one, or home again if that cannot be closed."""
         random = np.random.default_rng(SEED)
         poses, pose = [], home
         for _ in range(count):
@@ -85,17 +72,13 @@ class _Closures:
 
     def turns(self, row: int) -> bool:
         """Whether a row of the gaps is an angle: the last three of a weld, and a coupling of hinges."""
-        import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
         equality = int(self.data.efc_id[row])
         kind, first = int(self.model.eq_type[equality]), int(self.model.eq_obj1id[equality])
         if kind == int(mujoco.mjtEq.mjEQ_WELD):
             return row - int(np.argmax(self.data.efc_id == equality)) >= 3
         if kind == int(mujoco.mjtEq.mjEQ_TENDON):
-            kind, first = (
-                int(mujoco.mjtEq.mjEQ_JOINT),
-                int(self.model.wrap_objid[self.model.tendon_adr[first]]),
-            )
+            kind = int(mujoco.mjtEq.mjEQ_JOINT)
+            first = int(self.model.wrap_objid[self.model.tendon_adr[first]])
         hinge = int(mujoco.mjtJoint.mjJNT_HINGE)
         return kind == int(mujoco.mjtEq.mjEQ_JOINT) and int(self.model.jnt_type[first]) == hinge
 
@@ -105,9 +88,7 @@ class _Closures:
 
 
 def take_up_rounding(spec: mujoco.MjSpec) -> mujoco.MjSpec:
-    """The file with a closed home pose and consistent loops; the same object, unchanged, if it is exact to CLOSED or
-    off by more than ROUNDING.
-    """
+    """The file with a closed home and consistent loops; unchanged if exact to CLOSED or off by more than ROUNDING."""
     closures = _closures(spec)
     if not closures.model.neq:
         return spec
@@ -122,7 +103,8 @@ def take_up_rounding(spec: mujoco.MjSpec) -> mujoco.MjSpec:
             closures = _closures(spec)
             closed = closures.closed(home)
     if closures.open_by(home) > CLOSED:
-        _set_home(spec, closed)
+        key = next((key for key in spec.keys if key.name == "home"), None) or spec.add_key(name="home")
+        key.qpos = closed.tolist()
     return spec
 
 
@@ -137,19 +119,11 @@ def home_gap(spec: mujoco.MjSpec) -> tuple[float, str]:
 
 
 def _closures(spec: mujoco.MjSpec) -> _Closures:
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     model = spec.compile()
     model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     for flag in ("CONTACT", "LIMIT", "FRICTIONLOSS"):
         model.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}"))
     return _Closures(model, mujoco.MjData(model))
-
-
-def _set_home(spec: mujoco.MjSpec, qpos: np.ndarray) -> None:
-    keys = [key for key in spec.keys if key.name == "home"]
-    key = keys[0] if keys else spec.add_key(name="home")
-    key.qpos = qpos.tolist()
 
 
 def _with_agreeing_loops(spec: mujoco.MjSpec, home: np.ndarray) -> mujoco.MjSpec | None:
@@ -159,7 +133,8 @@ def _with_agreeing_loops(spec: mujoco.MjSpec, home: np.ndarray) -> mujoco.MjSpec
     _anchors_as_sites(spec)
     closures = _closures(spec)
     model = closures.model
-    if any(part.frame is not None for part in (*spec.bodies[1:], *spec.sites)):
+    parts = (*spec.bodies[1:], *spec.sites)
+    if any(part.frame is not None for part in parts):
         return None
     places = [(model.body_pos, model.body_quat, body) for body in range(1, model.nbody)]
     places += [(model.site_pos, model.site_quat, site) for site in range(model.nsite)]
@@ -175,18 +150,13 @@ def _with_agreeing_loops(spec: mujoco.MjSpec, home: np.ndarray) -> mujoco.MjSpec
         change = -np.linalg.lstsq(np.vstack(sensitive), np.concatenate(open_by), rcond=DEPENDENT)[0]
         if np.abs(change).max() > ROUNDING:
             return None
-        for place, part in zip(places, change.reshape(-1, 6), strict=True):
-            _move(place, part)
+        for place, step in zip(places, change.reshape(-1, 6), strict=True):
+            _move(place, step)
         poses = [closures.closed(pose) for pose in poses]
         if max(closures.open_by(pose) for pose in poses) < CLOSED:
-            for body, (pos, quat) in zip(
-                spec.bodies[1:], zip(model.body_pos[1:], model.body_quat[1:], strict=True), strict=True
-            ):
-                _write(body, pos, quat)
-            for site, (pos, quat) in zip(
-                spec.sites, zip(model.site_pos, model.site_quat, strict=True), strict=True
-            ):
-                _write(site, pos, quat)
+            for part, (positions, quaternions, index) in zip(parts, places, strict=True):
+                part.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+                part.pos, part.quat = positions[index], quaternions[index]
             return spec
     return None
 
@@ -211,8 +181,6 @@ def _sensitivity(
 
 def _move(place: _Place, change: np.ndarray) -> None:
     """Shift a place in its parent's frame by change[:3], and rotate it in its body frame by change[3:]."""
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     positions, quaternions, index = place
     positions[index] += change[:3]
     turned = quaternions[index].copy()
@@ -220,38 +188,20 @@ def _move(place: _Place, change: np.ndarray) -> None:
     quaternions[index] = turned
 
 
-def _write(part: mujoco.MjsBody | mujoco.MjsSite, pos: np.ndarray, quat: np.ndarray) -> None:
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
-    part.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
-    part.pos, part.quat = pos, quat
-
-
 def _anchors_as_sites(spec: mujoco.MjSpec) -> None:
     """Replace the bodies in closures by sites, since MuJoCo derives the second anchor of bodies from qpos0."""
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     model = spec.compile()
     identity = [1.0, 0.0, 0.0, 0.0]
     for index, equality in enumerate(spec.equalities):
-        kind = equality.type
-        if kind not in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
-            continue
-        if equality.objtype != mujoco.mjtObj.mjOBJ_BODY:
+        kind, bodies = equality.type, equality.objtype == mujoco.mjtObj.mjOBJ_BODY
+        if not bodies or kind not in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
             continue
         data = model.eq_data[index]
         first, second = (data[0:3], identity), (data[3:6], identity)
         if kind == mujoco.mjtEq.mjEQ_WELD:
             first, second = (data[3:6], data[6:10]), (data[0:3], identity)
-        names = []
-        for end, body, (pos, quat) in zip(
-            ("first", "second"),
-            (model.eq_obj1id[index], model.eq_obj2id[index]),
-            (first, second),
-            strict=True,
-        ):
-            name = f"closure:{index}:{end}"
-            spec.bodies[int(body)].add_site(name=name, pos=pos, quat=quat)
-            names.append(name)
         equality.objtype = mujoco.mjtObj.mjOBJ_SITE
-        equality.name1, equality.name2 = names
+        equality.name1, equality.name2 = names = f"closure:{index}:first", f"closure:{index}:second"
+        ends = (model.eq_obj1id[index], model.eq_obj2id[index])
+        for name, body, (pos, quat) in zip(names, ends, (first, second), strict=True):
+            spec.bodies[int(body)].add_site(name=name, pos=pos, quat=quat)

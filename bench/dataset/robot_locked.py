@@ -5,20 +5,16 @@ L ... Jk = (P L) (L^-1 J1 L) ... Jk: the pose of the body becomes P L, the joint
 and those after it do not change.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
+import mujoco
 import numpy as np
 
 from bench.basics.errors import BenchError, meant
 from bench.dataset.locked_couplings import drop_equalities, shorten_tendons
 from bench.dataset.mjcf_neutral import neutral
-
-if TYPE_CHECKING:
-    import mujoco
 
 ROUNDED = 0.01  # of a range's width: tolerance beyond its ends for values typed with few digits
 ANCHOR = "locked:"  # prefix of the names of sites that become the anchors of a connect
@@ -38,19 +34,16 @@ def locked_joints(plain: mujoco.MjModel, values: Mapping[str, float]) -> tuple[L
 
     Raises BenchError for an unknown joint, a ball or free joint, and a value beyond the joint's range.
     """
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     units: dict[int, Literal["rad", "m"]] = {
         int(mujoco.mjtJoint.mjJNT_HINGE): "rad",
         int(mujoco.mjtJoint.mjJNT_SLIDE): "m",
     }
     names = [plain.joint(i).name for i in range(plain.njnt)]
+    known = [name for name in names if name]
     locked = []
     for name, value in values.items():
         if name not in names:
-            raise BenchError(
-                f"no joint {name!r}: {meant(name, [known for known in names if known], 'the MJCF has')}"
-            )
+            raise BenchError(f"no joint {name!r}: {meant(name, known, 'the MJCF has')}")
         joint = names.index(name)
         unit = units.get(int(plain.jnt_type[joint]))
         if unit is None:
@@ -105,11 +98,7 @@ def lock_joints(spec: mujoco.MjSpec, locked: Sequence[LockedJoint]) -> dict[str,
 
 
 def _keep_anchors(spec: mujoco.MjSpec, plain: mujoco.MjModel) -> None:
-    """Make the anchors of equalities between bodies explicit: MuJoCo derives them at qpos0, but locked joints may
-    differ.
-    """
-    import mujoco  # noqa: PLC0415 - likewise
-
+    """Make the anchors of equalities of bodies explicit: MuJoCo derives them at qpos0, from which locks differ."""
     for index, equality in enumerate(spec.equalities):
         if int(plain.eq_objtype[index]) != int(mujoco.mjtObj.mjOBJ_BODY):
             continue
@@ -127,34 +116,27 @@ def _keep_anchors(spec: mujoco.MjSpec, plain: mujoco.MjModel) -> None:
 
 def _drop_actuators(spec: mujoco.MjSpec, gone: set[str]) -> list[int]:
     """Remove the actuators and sensors of removed joints and tendons; return the indices of these actuators."""
-    import mujoco  # noqa: PLC0415 - likewise
-
     elsewhere = (mujoco.mjtTrn.mjTRN_SITE, mujoco.mjtTrn.mjTRN_BODY, mujoco.mjtTrn.mjTRN_SLIDERCRANK)
-    motors = [
-        (i, motor)
+    motors = {
+        i: motor
         for i, motor in enumerate(spec.actuators)
         if motor.trntype not in elsewhere and motor.target in gone
-    ]
-    named = {
-        mujoco.mjtObj.mjOBJ_JOINT: gone,
-        mujoco.mjtObj.mjOBJ_TENDON: gone,
-        mujoco.mjtObj.mjOBJ_ACTUATOR: {motor.name for _, motor in motors},
     }
+    named = dict.fromkeys((mujoco.mjtObj.mjOBJ_JOINT, mujoco.mjtObj.mjOBJ_TENDON), gone)
+    named[mujoco.mjtObj.mjOBJ_ACTUATOR] = {motor.name for motor in motors.values()}
     for sensor in list(spec.sensors):
         if sensor.objname in named.get(sensor.objtype, ()):
             spec.delete(sensor)
-    for _, motor in motors:
+    for motor in motors.values():
         spec.delete(motor)
-    return [i for i, _ in motors]
+    return list(motors)
 
 
 def _without_keyframes(spec: mujoco.MjSpec) -> list[dict[str, Any]]:
     """Remove the keyframes and return their values by field."""
-    said = []
+    fields, said = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat"), []
     for key in list(spec.keys):
-        numbers = {
-            field: list(getattr(key, field)) for field in ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
-        }
+        numbers = {field: list(getattr(key, field)) for field in fields}
         said.append({"name": key.name, "time": key.time, **numbers})
         spec.delete(key)
     return said
@@ -178,12 +160,10 @@ def _shorten_keyframes(
     for keyframe in keyframes:
         key = spec.add_key()
         for field, value in keyframe.items():
-            kept = (
-                [number for i, number in enumerate(value) if i not in without[field]]
-                if field in without
-                else value
+            gone = without.get(field, ())
+            setattr(
+                key, field, [number for i, number in enumerate(value) if i not in gone] if gone else value
             )
-            setattr(key, field, kept)
 
 
 def _fold(
@@ -194,8 +174,6 @@ def _fold(
     by_id: Mapping[int, mujoco.MjsJoint],
 ) -> None:
     """Fold the locked joints of a body into its pose."""
-    import mujoco  # noqa: PLC0415 - likewise
-
     first, count = int(plain.body_jntadr[index]), int(plain.body_jntnum[index])
     place, turn = plain.body_pos[index].copy(), plain.body_quat[index].copy()
     before: list[int] = []
@@ -231,11 +209,7 @@ def _fold(
 
 
 def _motion(plain: mujoco.MjModel, joint: int, value: float) -> tuple[np.ndarray, np.ndarray]:
-    """Translation (3,) and quaternion (4,) of the body frame due to a joint at `value`, in the frame before the
-    joint.
-    """
-    import mujoco  # noqa: PLC0415 - likewise
-
+    """Translation (3,) and quaternion (4,) of the body by a joint at `value`, in the frame before the joint."""
     travel = value - float(plain.qpos0[plain.jnt_qposadr[joint]])
     axis, point = plain.jnt_axis[joint], plain.jnt_pos[joint]
     if plain.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_SLIDE):
@@ -247,8 +221,6 @@ def _motion(plain: mujoco.MjModel, joint: int, value: float) -> tuple[np.ndarray
 
 def _rotated(vector: np.ndarray, quaternion: np.ndarray, *, back: bool = False) -> np.ndarray:
     """A vector rotated by a quaternion, or by its inverse."""
-    import mujoco  # noqa: PLC0415 - likewise
-
     result, inverse = np.zeros(3), np.zeros(4)
     mujoco.mju_negQuat(inverse, quaternion)
     mujoco.mju_rotVecQuat(result, vector, inverse if back else quaternion)

@@ -5,15 +5,15 @@ an actuator of the file with a gear. The logged position is then that of the mot
 body on the base with a joint of the tendon's or actuator's name, and an equality that ties its position to the sum.
 """
 
-from __future__ import annotations
-
 import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
+
+import mujoco
 
 from bench.basics.errors import BenchError
 from bench.dataset.idle_parts import release_held_tendons, release_whole_turns
@@ -21,9 +21,6 @@ from bench.dataset.mjcf_files import names_a_file, read_spec
 from bench.dataset.mjcf_neutral import keep_masses, neutral
 from bench.dataset.robot_drawing import take_up_rounding
 from bench.dataset.robot_locked import LockedJoint, lock_joints
-
-if TYPE_CHECKING:
-    import mujoco
 
 ROTOR = "rotor:"  # prefix of the names of bodies, tendons and equalities of such motors
 MASS = 1e-6  # kg: MuJoCo requires a mass; the rotor's inertia is the armature of the tendon
@@ -93,8 +90,6 @@ def _compiled(path: Path, setup: RobotSetup) -> mujoco.MjModel:
 
 def read_model(path: Path) -> mujoco.MjModel:
     """The compiled file as it is, without shapes from files that cannot be read. Raises as `robot_model` does."""
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     try:
         return mujoco.MjModel.from_xml_path(str(path))  # its messages name the line
     except ValueError as error:
@@ -134,9 +129,7 @@ def drawn_spec(path: Path, setup: RobotSetup = AS_IT_IS) -> mujoco.MjSpec:
 
 @dataclass(frozen=True)
 class _Length:
-    """The position of a motor as a sum: (name, index in qpos, factor) of each joint, and the constant of locked
-    joints.
-    """
+    """The position of a motor: (name, index in qpos, factor) of each joint, and the constant of locked joints."""
 
     joints: tuple[tuple[str, int, float], ...]
     constant: float = 0.0
@@ -148,8 +141,6 @@ class _Length:
 def _add_rotor(
     spec: mujoco.MjSpec, plain: mujoco.MjModel, transmission: Transmission, length: _Length
 ) -> None:
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     if mujoco.mj_name2id(plain, mujoco.mjtObj.mjOBJ_JOINT, transmission.name) >= 0:
         raise BenchError(
             f"{transmission.kind} {transmission.name!r}: there is a joint of this name too, give it another"
@@ -174,15 +165,9 @@ def _add_rotor(
         if plain.tendon_limited[tendon]:
             joint.limited, joint.range = True, (unit * plain.tendon_range[tendon]).tolist()
         sums.armature, sums.limited = 0.0, False
-    helper = spec.add_tendon(neutral(), name=ROTOR + transmission.name)
-    helper.wrap_joint(transmission.name, 1.0)
-    held = spec.add_equality(
-        neutral(),
-        name=ROTOR + transmission.name,
-        type=mujoco.mjtEq.mjEQ_TENDON,
-        name1=helper.name,
-        name2=sums.name,
-    )
+    name, kind = ROTOR + transmission.name, mujoco.mjtEq.mjEQ_TENDON
+    spec.add_tendon(neutral(), name=name).wrap_joint(transmission.name, 1.0)
+    held = spec.add_equality(neutral(), name=name, type=kind, name1=name, name2=sums.name)
     held.data[:5] = [0.0, 1.0, 0.0, 0.0, 0.0]
 
 
@@ -193,8 +178,6 @@ def joints_of(plain: mujoco.MjModel, transmission: Transmission) -> tuple[str, .
 
 def _length_of(plain: mujoco.MjModel, transmission: Transmission, lengths: Mapping[str, float]) -> _Length:
     """lengths: contribution of locked joints to the length of each tendon, by name."""
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     gear = 1.0
     if transmission.kind == "tendon":
         tendon = mujoco.mj_name2id(plain, mujoco.mjtObj.mjOBJ_TENDON, transmission.name)
@@ -241,7 +224,5 @@ def _axis(plain: mujoco.MjModel, slides: bool) -> list[float]:
 
 
 def _known(plain: mujoco.MjModel, kind: mujoco.mjtObj, count: int) -> str:
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     names = [name for i in range(count) if (name := mujoco.mj_id2name(plain, kind, i))]
     return f"the MJCF has {', '.join(names) or 'none with a name'}"

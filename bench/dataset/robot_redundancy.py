@@ -1,18 +1,14 @@
 """More motors than degrees of freedom: choose those that move independently, in the order of robot.toml."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+import mujoco
 import numpy as np
 
 from bench.basics.errors import BenchError
+from bench.basics.sentence import and_list
 from bench.dataset.home_qpos import home_qpos
 from bench.dataset.locked_couplings import held_bodies
-
-if TYPE_CHECKING:
-    import mujoco
 
 DEPENDENT = 1e-4  # of the largest singular value, equalities of unit length: smaller ones are due to rounding
 
@@ -70,14 +66,11 @@ def use_connect(welds: Sequence[str]) -> str:
 
 def listed(names: Sequence[str]) -> str:
     """Quoted names as in "'a', 'b' and 'c'"."""
-    quoted = [repr(name) for name in names]
-    return " and ".join([", ".join(quoted[:-1]), quoted[-1]] if len(quoted) > 1 else quoted)
+    return and_list([repr(name) for name in names])
 
 
 def _unlocking(model: mujoco.MjModel, joints: Sequence[str], joint: str) -> str:
-    """The end of the message on a driven joint that closures lock: the cure, or the closures without any of which it
-    could move.
-    """
+    """The end of the message on a locked driven joint: the cure, or the closures without any of which it moves."""
     welds = welds_to_connect(model, joints)
     if welds:
         return f"; {use_connect(welds)}"
@@ -102,8 +95,6 @@ def _unlocking(model: mujoco.MjModel, joints: Sequence[str], joint: str) -> str:
 
 
 def _is_weld(model: mujoco.MjModel, equality: int) -> bool:
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     return int(model.eq_type[equality]) == int(mujoco.mjtEq.mjEQ_WELD)
 
 
@@ -113,12 +104,10 @@ def _equality(model: mujoco.MjModel, index: int) -> str:
 
 def _still_ends(model: mujoco.MjModel, equalities: Sequence[int]) -> list[str]:
     """Bodies in these closures that neither move nor carry a moving body: platforms without a joint."""
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
-    moving = {
-        body for body in range(1, model.nbody) if model.body_weldid[body] and model.body_mocapid[body] < 0
-    }
-    carrying = {above for body in moving for above in _above(model, body)}
+    carrying = set(np.flatnonzero((model.body_weldid > 0) & (model.body_mocapid < 0)).tolist())
+    for body in range(model.nbody - 1, 0, -1):  # a parent has a lower number than its children
+        if body in carrying:
+            carrying.add(int(model.body_parentid[body]))
     bodies = []
     for index in equalities:
         if int(model.eq_type[index]) not in (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)):
@@ -126,13 +115,6 @@ def _still_ends(model: mujoco.MjModel, equalities: Sequence[int]) -> list[str]:
         still = [body for body in held_bodies(model, index) if body and body not in carrying]
         bodies += [model.body(body).name for body in still]
     return bodies
-
-
-def _above(model: mujoco.MjModel, body: int) -> list[int]:
-    chain = [body]
-    while chain[-1]:
-        chain.append(int(model.body_parentid[chain[-1]]))
-    return chain
 
 
 def _motions(closures: np.ndarray) -> np.ndarray:
@@ -150,8 +132,6 @@ def _closures(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
     """Rows (m, nv) of the active equalities in the home pose, scaled so that the longest row of each has unit length,
     and the index (m,) of the equality of each row.
     """
-    import mujoco  # noqa: PLC0415 - slow to import: only once a robot is really read
-
     data = mujoco.MjData(model)
     data.qpos[:] = home_qpos(model)
     mujoco.mj_fwdPosition(model, data)

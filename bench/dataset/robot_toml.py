@@ -1,12 +1,12 @@
 """Write a robot.toml for an MJCF file: the parts that motors may drive, and the text that lists the motors."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
+
+import mujoco
 
 from bench.basics.errors import BenchError, meant
 from bench.basics.files.atomic import atomic_path
@@ -15,15 +15,10 @@ from bench.dataset.names import ROBOT_FILE, Unit
 from bench.dataset.robot import compiler_message, load_robot
 from bench.dataset.robot_mjcf import read_model
 
-if TYPE_CHECKING:
-    import mujoco
-
 
 @dataclass(frozen=True)
 class MotorPart:
-    """A part that a motor may drive. effort: unit of a motor on it; actuated: whether an actuator of the file acts on
-    it.
-    """
+    """A part that a motor may drive. effort: a motor's unit; actuated: whether an actuator of the file acts on it."""
 
     name: str
     drives: Literal["joint", "tendon", "motor"]
@@ -33,9 +28,7 @@ class MotorPart:
 
 @dataclass(frozen=True)
 class MjcfParts:
-    """Parts of an MJCF file: those that motors may drive, joints first, and the sites at which a payload may be
-    fixed.
-    """
+    """Parts of an MJCF file that motors may drive, joints first, and sites at which a payload may be fixed."""
 
     path: Path
     motors: tuple[MotorPart, ...]
@@ -52,8 +45,6 @@ class MjcfParts:
 
 def mjcf_parts(path: str | Path) -> MjcfParts:
     """The parts of an MJCF file. Raises BenchError, with file and line, if MuJoCo refuses it."""
-    import mujoco  # noqa: PLC0415 - slow to import: only once a file is really read
-
     path = Path(path)
     if not path.is_file():
         raise BenchError(f"{path}: there is no such file")
@@ -87,13 +78,8 @@ def robot_toml(
             raise BenchError(f"motor {motor!r}: no joint, fixed tendon or actuator: {hint}")
         part = parts.named[motor]
         gain_unit = unit if unit == "1" else f"{part.effort}/{unit}"
-        lines += [
-            "",
-            "[[actuators]]",
-            toml_line(part.drives, motor),
-            toml_line("gain", gain),
-            toml_line("gain_unit", gain_unit),
-        ]
+        lines += ["", "[[actuators]]", toml_line(part.drives, motor)]
+        lines += [toml_line("gain", gain), toml_line("gain_unit", gain_unit)]
     if tool is not None:
         if tool not in parts.sites:
             raise BenchError(f"tool {tool!r}: no site: {meant(tool, parts.sites, f'{parts.path.name} has')}")
@@ -105,9 +91,8 @@ def robot_toml(
 
 def no_tool(sites: Sequence[str]) -> str:
     """What a robot without a tool site lacks, and the lines to add. sites: of its MJCF."""
-    there = (
-        f"sites of the MJCF: {', '.join(sites)}" if sites else "the MJCF needs a <site> of that name first"
-    )
+    of_file = f"sites of the MJCF: {', '.join(sites)}"
+    there = of_file if sites else "the MJCF needs a <site> of that name first"
     return (
         "the robot has no tool site to fix payloads at (bench excite --payload-mass needs one): add the lines "
         f'[tool] and site = "NAME" to robot.toml ({there})'
@@ -137,9 +122,12 @@ def write_robot_toml(
     target = Path(folder if folder is not None else mjcf.parent) / ROBOT_FILE
     if target.exists() and not overwrite:
         raise BenchError(f"{target}: already exists; give another folder, or allow overwriting")
-    text = robot_toml(
-        _from(target.parent, mjcf), name or mjcf.stem, motors, mjcf_parts(mjcf), unit, tool, locked or {}
-    )
+    try:
+        reference = Path(os.path.relpath(mjcf.resolve(), target.parent.resolve())).as_posix()
+    except ValueError:  # on another drive
+        reference = mjcf.resolve().as_posix()
+    parts = mjcf_parts(mjcf)
+    text = robot_toml(reference, name or mjcf.stem, motors, parts, unit, tool, locked or {})
     with atomic_path(target) as partial:
         partial.write_text(text, encoding="utf-8")
         try:
@@ -149,29 +137,15 @@ def write_robot_toml(
     return target.parent
 
 
-def _from(folder: Path, file: Path) -> str:
-    try:
-        return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()
-    except ValueError:  # on another drive
-        return file.resolve().as_posix()
-
-
 def _motors(model: mujoco.MjModel) -> Iterator[MotorPart]:
-    import mujoco  # noqa: PLC0415 - slow to import: only once a file is really read
-
     efforts: dict[int, Literal["N*m", "N"]] = {
         int(mujoco.mjtJoint.mjJNT_HINGE): "N*m",
         int(mujoco.mjtJoint.mjJNT_SLIDE): "N",
     }
     on_joint, on_tendon = int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_TENDON)
-    acts = {
-        (int(kind), int(at))
-        for kind, at in zip(model.actuator_trntype, model.actuator_trnid[:, 0], strict=True)
-    }
-    joints = {j: efforts[int(kind)] for j, kind in enumerate(model.jnt_type) if int(kind) in efforts}
-    tendons = {
-        t: effort for t in range(model.ntendon) if (effort := _tendon_effort(model, t, joints)) is not None
-    }
+    acts = set(zip(model.actuator_trntype.tolist(), model.actuator_trnid[:, 0].tolist(), strict=True))
+    joints = {j: efforts[kind] for j, kind in enumerate(model.jnt_type.tolist()) if kind in efforts}
+    tendons = {t: effort for t in range(model.ntendon) if (effort := _tendon_effort(model, t, joints))}
     for j, effort in joints.items():
         yield MotorPart(model.joint(j).name, "joint", effort, (on_joint, j) in acts)
     for t, effort in tendons.items():
@@ -189,11 +163,7 @@ def _motors(model: mujoco.MjModel) -> Iterator[MotorPart]:
 def _tendon_effort(
     model: mujoco.MjModel, tendon: int, joints: Mapping[int, Literal["N*m", "N"]]
 ) -> Literal["N*m", "N"] | None:
-    """Unit of effort of a motor on a fixed tendon: of a torque, unless all of its joints slide; None for a spatial
-    tendon.
-    """
-    import mujoco  # noqa: PLC0415 - slow to import: only once a file is really read
-
+    """Effort of a motor on a fixed tendon: torque unless all its joints slide; None for a spatial tendon."""
     first = int(model.tendon_adr[tendon])
     wraps = range(first, first + int(model.tendon_num[tendon]))
     if any(int(model.wrap_type[w]) != int(mujoco.mjtWrap.mjWRAP_JOINT) for w in wraps):

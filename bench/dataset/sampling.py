@@ -52,16 +52,6 @@ class TimeFault:
     what: str
     remedy: Remedy | None = None
 
-    @property
-    def gap(self) -> bool:
-        """Whether the fault is lost samples."""
-        return self.remedy is Remedy.CUT_AT_GAPS
-
-    @property
-    def in_pieces(self) -> bool:
-        """Whether the stretches between such faults may become recordings."""
-        return self.remedy in (Remedy.CUT_AT_GAPS, Remedy.CUT_WHERE_BACK)
-
 
 def time_fault(time: Array) -> TimeFault | None:
     """The first fault of the time stamps (N,) in s, in the order count, order, unit, gaps; None if there is none."""
@@ -79,11 +69,11 @@ def _order_fault(time: Array, steps: Array) -> TimeFault | None:
     what = "repeats" if steps[row - 1] == 0.0 else "goes back: it follows"
     text = f"{_stamp(time[row])} s {what} {_stamp(time[row - 1])} s{and_more(wrong.size)}"
     if wrong.size > 1 and not (steps < 0.0).any():
-        rate = (time.size - 1) / (time[-1] - time[0]) if time[-1] > time[0] else 0.0
-        cure = (
-            f" If samples were taken regularly, bench import --rate {rate:.5g} replaces them" if rate else ""
-        )
-        return TimeFault(row, f"{text}: are the stamps rounded more coarsely than a step?{cure}")
+        text = f"{text}: are the stamps rounded more coarsely than a step?"
+        if time[-1] > time[0]:
+            rate = (time.size - 1) / (time[-1] - time[0])
+            text += f" If samples were taken regularly, bench import --rate {rate:.5g} replaces them"
+        return TimeFault(row, text)
     longest = int(np.diff([0, *cut_rows(time).tolist(), time.size]).max())
     return TimeFault(row, text, Remedy.CUT_WHERE_BACK if longest >= FEWEST else None)
 
@@ -96,10 +86,8 @@ def _unit_fault(steps: Array) -> TimeFault | None:
                 counted = ", or counts samples (then give --rate HZ)" if np.all(steps == 1.0) else ""
                 what = f"steps by {step:g}, which is not seconds: it looks like {unit}{counted}"
                 return TimeFault(None, what, remedy)
-        return TimeFault(
-            None,
-            f"steps by {step:g} s, {1 / step:.3g} Hz: too slow for what a robot's motors need to be fitted",
-        )
+        what = f"steps by {step:g} s, {1 / step:.3g} Hz: too slow for what a robot's motors need to be fitted"
+        return TimeFault(None, what)
     if step <= FASTEST_STEP:
         what = f"steps by {step:g} s, {1 / step:.3g} Hz, which no controller logs: is its unit longer (ms, hours)"
         return TimeFault(None, what, Remedy.FROM_LONGER_UNIT)
@@ -135,18 +123,13 @@ def _gap_fault(time: Array, steps: Array) -> TimeFault | None:
     if not rows.size:
         return None
     row, step = int(rows[0]), _usual_step(time)
-    return TimeFault(
-        row,
-        f"a gap of {steps[row - 1]:.6g} s before {_stamp(time[row])} s, where samples are {step:.6g} s apart"
-        f"{and_more(rows.size)}",
-        Remedy.CUT_AT_GAPS,
-    )
+    gap = f"a gap of {steps[row - 1]:.6g} s before {_stamp(time[row])} s"
+    what = f"{gap}, where samples are {step:.6g} s apart{and_more(rows.size)}"
+    return TimeFault(row, what, Remedy.CUT_AT_GAPS)
 
 
 def stamp_to(value: float, resolution: float, outward: int = 0) -> str:
-    """A time in s as text, rounded to a power of ten no coarser than `resolution` (s). outward: -1 never rounds up, 1
-    never rounds down.
-    """
+    """A time in s as text, rounded to at most `resolution` s. outward: -1 never rounds up, 1 never down."""
     decimals = max(0, ceil(-log10(resolution)))
     rounded = round(value, decimals)
     if outward * (rounded - value) < 0.0:

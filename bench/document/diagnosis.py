@@ -61,23 +61,21 @@ def ranking_table(diagnosis: Diagnosis, verdicts: Sequence[EffectVerdict] | None
     Empty columns are omitted. verdicts: the rows, by default the whole ranking.
     """
     rows = diagnosis.ranking if verdicts is None else verdicts
-    absorbed = [verdict.verdict == "absorbed" for verdict in rows]
-    sized = [verdict if verdict.size else None for verdict in rows]
+
+    def absorbed(verdict: EffectVerdict) -> bool:
+        return verdict.verdict == "absorbed"
+
+    probabilities = [verdict.probability for verdict in rows]
+    evidence = [None if absorbed(verdict) else _not_rounding(verdict.evidence) for verdict in rows]
     columns = (
         Column("effect", [verdict.effect for verdict in rows], "effect"),
         Column("verdict", [verdict.verdict for verdict in rows], "verdict"),
-        Column("probability", [_probability(verdict) for verdict in rows]),
-        Column(
-            "evidence",
-            _unless(absorbed, [_not_rounding(verdict.evidence) for verdict in rows]),
-            "number",
-            0,
-            ".1f",
-        ),
+        Column("probability", ["" if each is None else probability_text(each) for each in probabilities]),
+        Column("evidence", evidence, "number", 0, ".1f"),
         Column("without", [verdict.error_before for verdict in rows], "share", 3),
-        Column("with it", _unless(absorbed, [verdict.error_after for verdict in rows]), "share"),
-        Column("size", ["" if verdict is None else size_words(diagnosis, verdict) for verdict in sized]),
-        Column("saves", ["" if verdict is None else _taken(verdict) for verdict in sized], "share", 5),
+        Column("with it", [None if absorbed(verdict) else verdict.error_after for verdict in rows], "share"),
+        Column("size", [size_words(diagnosis, verdict) if verdict.size else "" for verdict in rows]),
+        Column("saves", [_taken(verdict) if verdict.size else "" for verdict in rows], "share", 5),
         Column("at", [_places(diagnosis, verdict) for verdict in rows], rank=2),
         Column("or", [_few(verdict.alternatives) for verdict in rows], rank=4),
     )
@@ -85,10 +83,6 @@ def ranking_table(diagnosis: Diagnosis, verdicts: Sequence[EffectVerdict] | None
         "strong" if verdict.effect in diagnosis.missing else "" for verdict in rows
     )
     return Table(tuple(column for column in columns if any(cell != "" for cell in column.cells)), marks)
-
-
-def _probability(verdict: EffectVerdict) -> str:
-    return "" if verdict.probability is None else probability_text(verdict.probability)
 
 
 def something_else_words(diagnosis: Diagnosis) -> str:
@@ -124,18 +118,10 @@ def without_logs_table(diagnosis: Diagnosis) -> Table:
 def gains_before_after(before: Identification, after: Identification) -> Table:
     """Drive gains of the model as it is and with the missing effects."""
     gains = list(after.drive_gains.values())
-    moved = _before_after(
-        "joint",
-        [
-            (drive_gain, before.drive_gains[drive_gain], gain)
-            for drive_gain, gain in after.drive_gains.items()
-        ],
-    )
+    both = [(joint, before.drive_gains[joint], gain) for joint, gain in after.drive_gains.items()]
     nominal = Column("nominal", [gain.nominal for gain in gains], "number", 1)
-    from_nominal = Column(
-        "from nominal", [gain_change(gain) if gain.determined else "" for gain in gains], "change", 2
-    )
-    return Table((*moved, nominal, from_nominal))
+    changes = [gain_change(gain) if gain.determined else "" for gain in gains]
+    return Table((*_before_after("joint", both), nominal, Column("from nominal", changes, "change", 2)))
 
 
 def parameters_before_after(diagnosis: Diagnosis, most: int | None = None) -> tuple[Table, int]:
@@ -176,30 +162,21 @@ def _span(diagnosis: Diagnosis, verdict: EffectVerdict, joints: Sequence[str]) -
 
 
 def _before_after(header: str, rows: Sequence[tuple[str, Quantity, Quantity]]) -> list[Column]:
+    changes = [
+        (before.value, after.value) if before.determined and after.determined else ""
+        for _, before, after in rows
+    ]
     return [
         Column(header, [name for name, *_ in rows]),
         Column("before ± std", [before for _, before, _ in rows], "quantity"),
         Column("after ± std", [after for *_, after in rows], "quantity"),
-        Column(
-            "change",
-            [
-                (before.value, after.value) if before.determined and after.determined else ""
-                for _, before, after in rows
-            ],
-            "moved",
-        ),
+        Column("change", changes, "moved"),
         Column("unit", [after.unit for *_, after in rows], "unit", 1),
     ]
 
 
-def _unless(absent: Sequence[bool], cells: Sequence[float | None]) -> list[float | None]:
-    return [None if no else cell for no, cell in zip(absent, cells, strict=True)]
-
-
 def _places(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
-    """The places of an effect, abbreviated, since the sentence on it lists all; with the probability of a place that is
-    not certain.
-    """
+    """The places of an effect, abbreviated; with the probability of a place that is not certain."""
     motors, places = list(diagnosis.after.drive_gains), list(verdict.actuators)
     uncertain = {
         place: f"{place} ({probability:.2f})"

@@ -88,8 +88,8 @@ def effects_table(result: Identification, truth: Truth | None = None) -> Table:
 def errors_table(
     series: Sequence[CurrentSeries], joints: Sequence[str], noise: tuple[Sequence[float], float] | None = None
 ) -> Table:
-    """Length of every recording, and its errors of the modelled current by motor, with totals of the fitted and of the
-    other recordings.
+    """Length of every recording, and its errors of the modelled current by motor, with totals of the fitted and the
+    others.
 
     noise: relative, by motor and of all motors together.
     """
@@ -101,78 +101,50 @@ def errors_table(
         if len(chosen) > 1:
             groups.append((f"all {USES[use]}", "", "", chosen))
         ends.append(len(groups) - 1)
-    many = len(joints) > 1
-    last = noise is not None
-    noises = noise or ((), 0.0)
-    columns = (
+    many, last = len(joints) > 1, noise is not None
+    by_motor, of_all = noise or ((), 0.0)
+    blank = [""] * last
+    lengths = [sum(float(np.ptp(trace.time)) for trace in chosen) for *_, chosen in groups]
+    rows = [sum(len(trace.time) for trace in chosen) for *_, chosen in groups]
+    columns = [
         Column("recording", [name for name, *_ in groups] + ["noise of the currents"] * last),
-        Column("use", [use for _, use, *_ in groups] + [""] * last),
-        Column("payload", [payload for _, _, payload, _ in groups] + [""] * last),
-        Column(
-            "length",
-            [sum(float(np.ptp(trace.time)) for trace in chosen) for *_, chosen in groups] + [""] * last,
-            "number",
-            2,
-            ".3g",
-            "s",
-        ),
-        Column(
-            "rows",
-            [sum(len(trace.time) for trace in chosen) for *_, chosen in groups] + [""] * last,
-            "number",
-            3,
-            "d",
-        ),
-        *(
-            Column(
-                joint,
-                [relative_error(chosen, j) for *_, chosen in groups] + [*noises[0][j : j + 1]],
-                "share",
-                1,
-            )
-            for j, joint in enumerate(joints)
-            if many
-        ),
-        Column(
-            "all" if many else "error",
-            [relative_error(chosen) for *_, chosen in groups] + [noises[1]] * last,
-            "share",
-        ),
-    )
+        Column("use", [use for _, use, *_ in groups] + blank),
+        Column("payload", [payload for _, _, payload, _ in groups] + blank),
+        Column("length", [*lengths, *blank], "number", 2, ".3g", "s"),
+        Column("rows", [*rows, *blank], "number", 3, "d"),
+    ]
+    for j, joint in enumerate(joints if many else ()):
+        errors = [relative_error(chosen, j) for *_, chosen in groups]
+        columns.append(Column(joint, [*errors, *by_motor[j : j + 1]], "share", 1))
+    errors = [relative_error(chosen) for *_, chosen in groups] + [of_all] * last
+    columns.append(Column("all" if many else "error", errors, "share"))
     marks: list[Mark] = ["strong" if len(chosen) > 1 else "" for *_, chosen in groups]
     marks += ["weak"] * last
-    return Table(columns, tuple(marks), tuple(ends if last else ends[:-1]))
+    return Table(tuple(columns), tuple(marks), tuple(ends if last else ends[:-1]))
 
 
 def kept_errors_table(error: ErrorSummary, recordings: Sequence[ModelledRecording]) -> Table:
     """Errors of a saved model in its recordings, and totals by use, as its file has them."""
-    rows: list[tuple[str, str, str, float | None]] = []
-    marks: list[Mark] = []
+    rows: list[tuple[str, str, str, float | None, Mark]] = []
     for use, total in (("identify", error.identify), ("validate", error.validate)):
         chosen = [recording for recording in recordings if recording.use == use]
         rows += [
-            (recording.name, USES[use], recording.payload or "–", error.by_recording.get(recording.name))
-            for recording in chosen
+            (entry.name, USES[use], entry.payload or "–", error.by_recording.get(entry.name), "")
+            for entry in chosen
         ]
         if len(chosen) > 1:
-            rows.append((f"all {USES[use]}", "", "", total))
-        plain: list[Mark] = [""] * len(chosen)
-        marks += [*plain, "strong"] if len(chosen) > 1 else plain
-    columns = (
-        Column("recording", [name for name, *_ in rows]),
-        Column("use", [use for _, use, *_ in rows]),
-        Column("payload", [payload for *_, payload, _ in rows]),
-        Column("error", [value for *_, value in rows], "share"),
-    )
-    return Table(columns, tuple(marks))
+            rows.append((f"all {USES[use]}", "", "", total, "strong"))
+    heads = ("recording", "use", "payload")
+    columns = [Column(head, [row[k] for row in rows]) for k, head in enumerate(heads)]
+    errors = Column("error", [error for *_, error, _ in rows], "share")
+    return Table((*columns, errors), tuple(mark for *_, mark in rows))
 
 
 def motor_errors_table(series: Sequence[CurrentSeries], joints: Sequence[str]) -> Table:
     """Errors of the modelled current by motor, fitted and not fitted."""
     columns = [Column("joint", list(joints))]
     for use, name in USES.items():
-        chosen = [trace for trace in series if trace.use == use]
-        if chosen:
+        if chosen := [trace for trace in series if trace.use == use]:
             columns.append(Column(name, [relative_error(chosen, j) for j in range(len(joints))], "share"))
     return Table(tuple(columns))
 
@@ -181,11 +153,8 @@ def _quantities(quantities: Sequence[Quantity]) -> list[Column]:
     unit = Column("unit", [quantity.unit for quantity in quantities], "unit")
     if all(quantity.std == 0.0 for quantity in quantities):
         return [Column("value", [quantity.value for quantity in quantities], "number"), unit]
-    return [
-        Column("value ± std", quantities, "quantity"),
-        Column("rel. std", quantities, "deviation", rank=1),
-        unit,
-    ]
+    deviations = Column("rel. std", quantities, "deviation", rank=1)
+    return [Column("value ± std", quantities, "quantity"), deviations, unit]
 
 
 def _truth(quantities: Sequence[Quantity], keys: Sequence[str], truth: Truth | None) -> list[Column]:
@@ -195,9 +164,7 @@ def _truth(quantities: Sequence[Quantity], keys: Sequence[str], truth: Truth | N
         return []
     pairs = list(zip(quantities, known, strict=True))
     return [
-        Column("truth", ["" if t is None else replace(quantity, value=t) for quantity, t in pairs], "true"),
-        Column("off by", ["" if t is None else off_by(quantity, t) for quantity, t in pairs], "change"),
-        Column(
-            "in std", ["" if t is None else deviations_away(quantity, t) for quantity, t in pairs], "sigma"
-        ),
+        Column("truth", ["" if t is None else replace(value, value=t) for value, t in pairs], "true"),
+        Column("off by", ["" if t is None else off_by(value, t) for value, t in pairs], "change"),
+        Column("in std", ["" if t is None else deviations_away(value, t) for value, t in pairs], "sigma"),
     ]

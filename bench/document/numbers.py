@@ -59,16 +59,8 @@ def percent(share: float | None, *, signed: bool = False) -> str:
     size = abs(value)
     if size >= 1000.0:
         return f"{'<-' if value < 0 else '>'}1000 %"
-    if size >= 99.95:
-        text = f"{size:.0f}"
-    elif size >= 99.5:
-        text = f"{size:.1f}"
-    elif size >= 0.9995:
-        text = f"{size:.2f}"
-    elif size >= 0.00095 or size == 0.0:
-        text = f"{size:.3f}"
-    else:
-        text = f"{size:.1e}"
+    digits = sum(size < bound for bound in (99.95, 99.5, 0.9995))
+    text = f"{size:.{digits}f}" if size >= 0.00095 or size == 0.0 else f"{size:.1e}"
     return f"{'-' if value < 0 else '+' if signed else ''}{text} %"
 
 
@@ -170,15 +162,13 @@ def settings_lines(result: Identification) -> list[str]:
     filters = f"positions low-passed at {result.settings.position_cutoff:.4g} Hz"
     if rate is not None:
         filters += f", fit at {rate:.4g} Hz (one sample in {result.settings.decimation})"
-    still = (
-        [f"{all_rows - rows} more equations excluded because a joint stands still"] if rows < all_rows else []
-    )
+    still = f"{all_rows - rows} more equations excluded because a joint stands still"
     equations = f"{rows} equations, " if result.recordings else ""  # a saved model has no rows to count
     spread = [] if result.std_from == "noise" else [f"± from {STD_FROM[result.std_from]}"]
     return [
         *spread,
         f"{equations}{result.unknowns} unknowns, rank {result.rank}",
-        *still,
+        *([still] if rows < all_rows else []),
         f"condition number {result.condition:.4g}, with columns of unit length {result.scaled_condition:.4g}",
         filters,
     ]

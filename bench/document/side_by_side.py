@@ -89,8 +89,8 @@ def _listed(names: list[str]) -> str:
 
 
 def _interval_text(gain: DriveGain) -> str:
-    ends = interval(gain)
+    ends, text = interval(gain), quantity_text(gain)
     if ends is None or not gain.determined:
-        return quantity_text(gain)
-    digits = max(0, len(quantity_text(gain).partition(" ")[0].partition(".")[2]))
+        return text
+    digits = len(text.partition(" ")[0].partition(".")[2])
     return f"{gain.value:z.{digits}f} [{ends[0]:z.{digits}f}, {ends[1]:z.{digits}f}]"

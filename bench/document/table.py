@@ -18,7 +18,6 @@ from bench.document.numbers import (
 )
 from bench.effects.display_names import spoken
 from bench.identification.frame import data_frame
-from bench.identification.result import Quantity
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -69,10 +68,8 @@ class Column:
     def texts(self) -> list[str]:
         """The cells as plain text."""
         if self.kind == "effect":
-            before = [None, *self.cells]
-            return [
-                "" if cell == last else spoken(cell) for last, cell in zip(before, self.cells, strict=False)
-            ]
+            pairs = zip([None, *self.cells], self.cells, strict=False)
+            return ["" if cell == last else spoken(cell) for last, cell in pairs]
         return ["" if cell == "" else "–" if cell is None else self._text(cell) for cell in self.cells]
 
     @property
@@ -122,10 +119,8 @@ class Table:
         for column in self.columns:
             if column.kind == "quantity":
                 name = column.header.partition(" ±")[0]
-                columns[name] = [cell.value if isinstance(cell, Quantity) else cell for cell in column.cells]
-                columns[f"std of {name}"] = [
-                    cell.std if isinstance(cell, Quantity) else cell for cell in column.cells
-                ]
+                for head, field in ((name, "value"), (f"std of {name}", "std")):
+                    columns[head] = [getattr(cell, field, cell) for cell in column.cells]
             elif column.kind not in {"deviation", "bar"}:
                 columns[column.header] = list(column.cells)
         return data_frame(columns)

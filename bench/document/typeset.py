@@ -8,9 +8,7 @@ from bench.effects.display_names import named_after, spoken
 
 
 def typeset(text: str) -> str:
-    """A text with true minus signs, powers of ten instead of "e-05", a space before "%", and capitalised names of
-    people, as in "Coulomb friction".
-    """
+    """A text with true minus signs, powers of ten for "e-05", a space before "%", and "Coulomb" capitalised."""
     text = re.sub(
         r"(?<=\d)e([+-]?\d+)\b", lambda m: f"·10{str(int(m.group(1))).translate(SUPERSCRIPT)}", text
     )

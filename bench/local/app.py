@@ -6,9 +6,9 @@ import socket
 import tempfile
 from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import asdict
-from functools import cache
 from http import HTTPStatus
 from pathlib import Path
+from time import localtime, strftime
 from typing import Any
 
 import uvicorn
@@ -24,7 +24,7 @@ from bench.basics.errors import BenchError
 from bench.basics.plain_data import finite
 from bench.basics.progress import SILENT
 from bench.dataset.names import DATASET_FILE, RUN_FILE
-from bench.local.folder import LARGEST, Folder, said_time, take, zip_dataset
+from bench.local.folder import LARGEST, Folder, take, zip_dataset
 from bench.local.guard import REPORT_POLICY
 from bench.local.jobs import Jobs
 from bench.local.steps import command_of
@@ -95,13 +95,6 @@ SCRIPTS = (
 )
 
 
-@cache
-def page_html() -> str:
-    """The page; scripts and styles are separate requests, as its content-security policy demands."""
-    scripts = "\n".join(f'<script src="assets/{name}"></script>' for name in (*EVERY_PAGE, MACHINE, *SCRIPTS))
-    return (ASSETS / "open.html").read_text(encoding="utf-8").replace("<!-- scripts -->", scripts)
-
-
 KINDS = {".js": "text/javascript", ".css": "text/css"}
 ASSET_FILES = {name: REPORT_ASSETS / name for name in (*EVERY_PAGE, MACHINE, "page.css")} | {
     name: ASSETS / name for name in (*SCRIPTS, "open.css")
@@ -138,8 +131,11 @@ class Pages:
         return [Route(path, handler, methods=[method]) for path, handler, method in plain]
 
     async def page(self, _request: Request) -> Response:
-        """The page."""
-        return Response(page_html(), media_type="text/html")
+        """The page; scripts and styles are separate requests, as its content-security policy demands."""
+        names = (*EVERY_PAGE, MACHINE, *SCRIPTS)
+        scripts = "\n".join(f'<script src="assets/{name}"></script>' for name in names)
+        page = (ASSETS / "open.html").read_text(encoding="utf-8").replace("<!-- scripts -->", scripts)
+        return Response(page, media_type="text/html")
 
     async def asset(self, request: Request) -> Response:
         """A script or style of the page."""
@@ -160,13 +156,13 @@ class Pages:
     async def contents(self, _request: Request) -> Response:
         """The contents of the folder."""
         entry = await asyncio.to_thread(self.folder.look)
-        answer = asdict(entry)
-        root = self.folder.root
+        answer, root = asdict(entry), self.folder.root
         written = {run: root / run / RUN_FILE for run in entry.runs}
         written |= {model: root / model for model in entry.models}
-        in_time = sorted(written, key=lambda path: (written[path].stat().st_mtime, path))
-        answer["runs"] = [{"path": path, "time": said_time(written[path])} for path in in_time]
-        answer |= {"root": str(self.folder.root), "name": self.folder.root.name, "start": self.start}
+        in_time = sorted((file.stat().st_mtime, path) for path, file in written.items())
+        form = "%Y-%m-%d %H:%M"
+        answer["runs"] = [{"path": path, "time": strftime(form, localtime(when))} for when, path in in_time]
+        answer |= {"root": str(root), "name": root.name, "start": self.start}
         answer["named_robots"] = [str(path) for path in self.folder.robots]
         answer["free"] = self.folder.free(NEW_DATASET)
         return JSONResponse(answer | {"command": self.command, "largest": LARGEST})
@@ -279,17 +275,14 @@ class Pages:
 def application(pages: Pages) -> Starlette:
     """The server's application, without its guard."""
     return Starlette(
-        routes=pages.routes(), exception_handlers={BenchError: _mistake, HTTPException: _missing}
+        routes=pages.routes(), exception_handlers=dict.fromkeys((BenchError, HTTPException), _fault)
     )
 
 
-async def _mistake(_request: Request, error: Exception) -> Response:
+async def _fault(_request: Request, error: Exception) -> Response:
+    if isinstance(error, HTTPException):
+        return JSONResponse({"error": "there is no such thing here"}, error.status_code)
     return JSONResponse({"error": str(error)}, 400)
-
-
-async def _missing(_request: Request, error: Exception) -> Response:
-    status = error.status_code if isinstance(error, HTTPException) else 404
-    return JSONResponse({"error": "there is no such thing here"}, status)
 
 
 async def _json(request: Request) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from bench.dataset.logs.segments import SHORTEST, Cutting, cut
 from bench.dataset.logs.unit_cures import CUTS
 from bench.dataset.logs.units import UNITS, factor_of, name_of
 from bench.dataset.recording_checks import Fault
-from bench.dataset.recording_faults import exchanged, faults_in, without_exchange
+from bench.dataset.recording_faults import signal_faults
 from bench.dataset.robot import Robot
 from bench.dataset.sampling import TimeFault, time_fault
 
@@ -57,8 +57,7 @@ def checked(path: str, robot: Robot, mapped: Mapped) -> dict[str, Any]:
     for target, source in mapped.columns.items():
         series[target], by_target[target] = _read(log, robot, target, source, mapped.scale.get(target))
     for piece, row in _pieces(log, series, mapped, by_target):
-        for target, problems in _judged(log, piece, row, joints, mapped, by_target).items():
-            by_target[target] += problems
+        _judge(log, piece, row, joints, mapped, by_target)
     for target, problems in by_target.items():
         given = mapped.scale.get(target, name_of(log.units.get(mapped.columns[target], "")))
         for problem in problems:
@@ -90,8 +89,8 @@ def _pieces(
 ) -> list[tuple[Mapping[str, np.ndarray], int]]:
     """Parts of a log that become recordings, each with its first row: the whole log, or the parts that an import makes.
 
-    If the log is cut, rows without a measurement are no longer a problem; a log of which nothing remains is reported as
-    a problem of its time.
+    If the log is cut, rows without a measurement are no longer a problem; a log of which nothing remains has a problem
+    of its time.
     """
     count = next((values.size for values in series.values()), 0)
     time = series.get("time") if mapped.rate is None else np.arange(count) / mapped.rate
@@ -102,30 +101,27 @@ def _pieces(
     try:
         parts, _ = cut(log.path, {**series, "time": time}, "identify", "log.csv", Cutting(shortest=SHORTEST))
     except BenchError as error:
-        said = str(error).removeprefix(f"{log.path}: ")
-        by_target["time" if "time" in by_target else next(iter(by_target))].append(
-            _problem(log, "time", said, None, None)
-        )
+        said = _problem(log, "time", str(error).removeprefix(f"{log.path}: "), None, None)
+        by_target["time" if "time" in by_target else next(iter(by_target))].append(said)
         return []
     return [({target: part.columns[target] for target in series}, part.first_row) for part in parts]
 
 
-def _judged(
+def _judge(
     log: LogFile,
     series: Mapping[str, np.ndarray],
     first: int,
     joints: Mapping[str, JointFacts],
     mapped: Mapped,
     by_target: Mapping[str, list[dict[str, Any]]],
-) -> dict[str, list[dict[str, Any]]]:
-    """Problems of a piece of a log, in columns without a problem so far. first: its first row in the log."""
+) -> None:
+    """Add the problems of a piece of a log, in columns without one so far. first: its first row in the log."""
 
-    def problem(target: str, fault: Fault | TimeFault) -> dict[str, Any]:
+    def add(target: str, fault: Fault | TimeFault) -> None:
         row = None if fault.row is None else fault.row + first
         check = fault.check if isinstance(fault, Fault) else None
-        return _problem(log, target, fault.what, row, fault.remedy, check)
+        by_target[target].append(_problem(log, target, fault.what, row, fault.remedy, check))
 
-    answer: dict[str, list[dict[str, Any]]] = {}
     signals = {
         target: values
         for target, values in series.items()
@@ -136,23 +132,14 @@ def _judged(
         count = max((values.size for values in signals.values()), default=0)
         time = np.arange(count) / (mapped.rate or UNTOLD)
     elif (fault := time_fault(time)) is not None:
-        answer["time"] = [problem("time", fault)]
+        add("time", fault)
     for target in [target for target, values in signals.items() if values.size != time.size]:
-        what = f"has {plural(signals.pop(target).size, 'sample')}, time has {time.size}"
-        answer[target] = [_problem(log, target, what, None, None)]
-    positions = {
-        joint: signals[target]
-        for joint in joints
-        if (target := f"position.{joint}") in signals and "limits" not in mapped.accept
-    }
-    swapped = exchanged(positions, list(joints.values()))
-    for target, values in signals.items() if time.size > 1 else ():
-        joint = target.partition(".")[2]
-        findings = faults_in(target, values, time, joints[joint], fault, frozenset(mapped.accept))
-        if target.startswith("position."):
-            findings = without_exchange(findings, swapped.get(joint))
-        answer[target] = [problem(target, finding) for finding in findings]
-    return answer
+        add(
+            target, TimeFault(None, f"has {plural(signals.pop(target).size, 'sample')}, time has {time.size}")
+        )
+    if time.size > 1:
+        for target, finding in signal_faults(signals, joints, time, fault, frozenset(mapped.accept)):
+            add(target, finding)
 
 
 def _read(
@@ -193,24 +180,15 @@ def _problem(
 
 
 def _in_place(remedy: dict[str, Any] | None, given: str | float | None) -> dict[str, Any] | None:
-    """The remedy, its unit combined with the `given` one, in which the checked values were converted.
-
-    None if no unit has the combined factor.
-    """
+    """The remedy, its unit combined with the `given` one of the checked values; None if no unit has that factor."""
     if remedy is None or "unit" not in remedy or given is None:
         return remedy
     like = UNITS[remedy["unit"]]
     factor = like.factor * (UNITS[given].factor if isinstance(given, str) else given)
-    alike = {name: unit.factor for name, unit in UNITS.items() if unit.of == like.of}
-    name = next(
-        (
-            name
-            for name, alike_factor in alike.items()
-            if np.isclose(alike_factor, factor, rtol=1e-9, atol=0.0)
-        ),
-        None,
-    )
-    return None if name is None else {"unit": name}
+    for name, unit in UNITS.items():
+        if unit.of == like.of and np.isclose(unit.factor, factor, rtol=1e-9, atol=0.0):
+            return {"unit": name}
+    return None
 
 
 def _remedy(remedy: Remedy | None, target: str, check: str | None) -> dict[str, Any] | None:

@@ -3,7 +3,6 @@
 import filecmp
 import os
 import re
-import time
 import zipfile
 from collections.abc import AsyncIterator, Iterator
 from dataclasses import dataclass, field, replace
@@ -33,8 +32,7 @@ class FolderEntry:
     """Contents of the folder, as paths relative to it, with slashes.
 
     sizes: of the logs, bytes. robots: name or path -> label; runs: folders of results, oldest first; models: model
-    files next to them. mjcfs: MJCF files without a robot.toml next to them. cut: whether the search stopped after
-    `MANY` entries.
+    files next to them. mjcfs: MJCF files without a robot.toml next to them. cut: whether it stopped after `MANY`.
     """
 
     datasets: list[str] = field(default_factory=list)
@@ -60,12 +58,7 @@ class Folder:
         Raises BenchError if it leads out of the folder, by itself or by symbolic links, or to a hidden file.
         """
         parts = text.split("/")
-        if (
-            not text
-            or "\\" in text
-            or "\0" in text
-            or any(p in ("", ".", "..") or p[0] == "." for p in parts)
-        ):
+        if "\\" in text or "\0" in text or any(not part or part[0] == "." for part in parts):
             raise BenchError(f"{text!r}: not a path inside {self.root}")
         path = self.root.joinpath(*parts)
         try:
@@ -104,10 +97,11 @@ class Folder:
 
     def free(self, stem: str) -> str:
         """A name that no file or folder and no results have: the stem, or the stem with a number."""
-        names = (stem if number == 1 else f"{stem}_{number}" for number in count(1))
-        return next(
-            name for name in names if not any((self.root / f"{name}{end}").exists() for end in ("", RESULTS))
-        )
+        for number in count(1):
+            path = self.root / (stem if number == 1 else f"{stem}_{number}")
+            if not path.exists() and not path.with_name(f"{path.name}{RESULTS}").exists():
+                break
+        return path.name
 
     def word(self, path: Path) -> str:
         """A path as an argument of a command: relative to where the server was started, or absolute."""
@@ -138,7 +132,7 @@ class Folder:
         for folder, files in self._folders():
             seen += len(files) + 1
             if seen > MANY:
-                return replace(entry, runs=_by_time(runs), cut=True)
+                return replace(entry, runs=[run for _, run in sorted(runs)], cut=True)
             place = folder.relative_to(self.root).as_posix()
             if ROBOT_FILE in files and place != ".":
                 entry.robots[place] = place
@@ -155,7 +149,7 @@ class Folder:
                     entry.sizes[log] = _size(folder / name)
                 models = sorted(name for name in files if _is_mjcf(folder / name))
                 entry.mjcfs.extend(name if place == "." else f"{place}/{name}" for name in models)
-        return replace(entry, runs=_by_time(runs))
+        return replace(entry, runs=[run for _, run in sorted(runs)])
 
     def _folders(self) -> Iterator[tuple[Path, list[str]]]:
         for place, folders, files in os.walk(self.root):
@@ -182,15 +176,6 @@ def _is_mjcf(path: Path) -> bool:
             return MJCF in file.read(BEGINNING)
     except OSError:
         return False
-
-
-def _by_time(runs: list[tuple[float, str]]) -> list[str]:
-    return [place for _, place in sorted(runs)]
-
-
-def said_time(path: Path) -> str:
-    """When a file was written, in local time."""
-    return time.strftime("%Y-%m-%d %H:%M", time.localtime(path.stat().st_mtime))
 
 
 STARTS: dict[str, tuple[bytes, ...]] = {
@@ -240,14 +225,13 @@ async def take(folder: Folder, name: str, content: AsyncIterator[bytes], largest
 
 
 def _check_beginning(name: str, suffix: str, content: bytes) -> None:
-    starts = STARTS.get(suffix)
-    if starts is not None and not content.startswith(starts):
-        raise BenchError(f"{name}: does not begin as a {suffix} file does")
-    if starts is None and (
-        foreign := next((FOREIGN[entry] for entry in FOREIGN if content.startswith(entry)), None)
-    ):
+    if (starts := STARTS.get(suffix)) is not None:
+        if not content.startswith(starts):
+            raise BenchError(f"{name}: does not begin as a {suffix} file does")
+        return
+    if foreign := next((FOREIGN[entry] for entry in FOREIGN if content.startswith(entry)), None):
         raise BenchError(f"{name}: is {foreign}")
-    if starts is None and b"\0" in content[:4096]:
+    if b"\0" in content[:4096]:
         raise BenchError(f"{name}: is no text")
 
 

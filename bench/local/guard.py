@@ -1,18 +1,11 @@
 """Access control of the server: only a browser on this machine that has the address with its token."""
 
 import hmac
-import secrets
-from collections.abc import Awaitable, Callable, Collection, MutableMapping
-from typing import Any
+from collections.abc import Collection
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse
-
-Scope = MutableMapping[str, Any]
-Message = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[Message]]
-Send = Callable[[Message], Awaitable[None]]
-App = Callable[[Scope, Receive, Send], Awaitable[None]]
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 LOOPBACK = "127.0.0.1"
 
@@ -34,18 +27,13 @@ HEADERS = {
 }
 
 
-def new_token() -> str:
-    """A random token that cannot be guessed."""
-    return secrets.token_urlsafe(24)
-
-
 class Guard:
     """Passes on requests that name this server as host, come from its page, and have the token in front of the path.
 
     All others are refused before their body is read. A request that passes goes on without the token.
     """
 
-    def __init__(self, app: App, token: str, port: int) -> None:
+    def __init__(self, app: ASGIApp, token: str, port: int) -> None:
         self._app = app
         self._token = token
         self._hosts = {f"{name}:{port}" for name in (LOOPBACK, "localhost")}
@@ -62,9 +50,8 @@ class Guard:
         if (why := _foreign(headers, self._hosts, scope["method"])) is not None:
             await _refuse(403, why)(scope, receive, send)
         elif not hmac.compare_digest(token.encode(), self._token.encode()):
-            await _refuse(404, "Open the address that `bench open` printed, with all of its letters.")(
-                scope, receive, send
-            )
+            why = "Open the address that `bench open` printed, with all of its letters."
+            await _refuse(404, why)(scope, receive, send)
         else:
             inner = {**scope, "path": f"/{rest}", "root_path": "", "raw_path": None}
             await self._app(inner, receive, _with_headers(send))

@@ -14,8 +14,6 @@ KEPT = 60  # jobs that are listed; their results are in files
 OFTEN = 0.1  # s between two messages, at least
 HEARTBEAT = 15.0  # s without a change after which an open page receives a message
 
-SAID: Mapping[State, str] = {"cancelled": "Cancelled; nothing was written."}
-
 
 @dataclass
 class Job:
@@ -121,7 +119,8 @@ class Jobs:
 
     def _over(self, job: Job, state: State) -> None:
         job.seconds = time.monotonic() - job.began if job.began else 0.0
-        job.state, job.error = state, job.error or SAID.get(state, "")
+        said = "Cancelled; nothing was written." if state == "cancelled" else ""
+        job.state, job.error = state, job.error or said
         self.tell()
 
 

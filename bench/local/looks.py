@@ -44,9 +44,8 @@ MAPPED = ("columns", "scale", "rate", "split_gaps", "accept", "topic", "skip_row
 
 def columns(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
     """The columns of a log, and guesses of their meaning; see `look_at`."""
-    return look_at(
-        arguments["log"], load_robot(arguments["robot"]), arguments["topic"], arguments["skip_rows"]
-    )
+    robot = load_robot(arguments["robot"])
+    return look_at(arguments["log"], robot, arguments["topic"], arguments["skip_rows"])
 
 
 def checks(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
@@ -108,7 +107,13 @@ def curves(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
 
 def runs(arguments: Mapping[str, Any], _progress: Progress) -> list[dict[str, Any]]:
     """A summary of each result folder or model file; for one that cannot be read, the reason."""
-    return [_run(Path(arguments["root"]), path) for path in arguments["paths"]]
+    answers: list[dict[str, Any]] = []
+    for path in arguments["paths"]:
+        try:
+            answers.append({"path": path, **_facts(Path(arguments["root"]), path)})
+        except BenchError as error:
+            answers.append({"path": path, "fault": str(error)})
+    return answers
 
 
 def machine(arguments: Mapping[str, Any], _progress: Progress) -> dict[str, Any]:
@@ -142,13 +147,6 @@ def _effects(data: Dataset) -> list[dict[str, Any]]:
     ]
 
 
-def _run(root: Path, place: str) -> dict[str, Any]:
-    try:
-        return {"path": place, **_facts(root, place)}
-    except BenchError as error:
-        return {"path": place, "fault": str(error)}
-
-
 def _facts(root: Path, place: str) -> dict[str, Any]:
     path, line, applied = root / place, "", False
     model = path
@@ -160,13 +158,9 @@ def _facts(root: Path, place: str) -> dict[str, Any]:
             raise BenchError(f"{place}: holds no model")
         model = path / names[0]
     answer = to_json(load_model(model).model)
-    facts = {
-        "model": model.relative_to(root).as_posix(),
-        "line": line,
-        "applied": applied,
-        **{key: answer[key] for key in ("robot", "effects", "error", "drive_gains", "notes")},
-    }
-    return dict(finite(facts))
+    facts = {key: answer[key] for key in ("robot", "effects", "error", "drive_gains", "notes")}
+    about = {"model": model.relative_to(root).as_posix(), "line": line, "applied": applied}
+    return dict(finite({**about, **facts}))
 
 
 def _line(path: Path, run: Any) -> str:

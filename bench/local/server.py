@@ -1,18 +1,19 @@
 """Serve the page at the loopback address until interrupted."""
 
+import os
+import secrets
 import socket
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import uvicorn
-from starlette.applications import Starlette
 
 from bench.basics.errors import BenchError
 from bench.dataset.names import DATASET_FILE
 from bench.local.app import EndingServer, Pages, answered_at_the_end, application
 from bench.local.folder import Folder
-from bench.local.guard import LOOPBACK, Guard, new_token
+from bench.local.guard import LOOPBACK, Guard
 from bench.local.jobs import Jobs
 from bench.local.worker import Home, Worker
 
@@ -61,8 +62,9 @@ def serve(asked: Opened, functions: Mapping[str, Home], ready: Callable[[str], N
     commander, looker = Worker(functions), Worker(LOOKS)
     with _listening(asked.port) as listener:
         port = listener.getsockname()[1]
-        token = new_token()
-        app = answered_at_the_end(Guard(_app(asked, commander, looker), token, port))
+        token = secrets.token_urlsafe(24)
+        pages = Pages(asked.folder, Jobs(commander), looker, asked.start, asked.command)
+        app = answered_at_the_end(Guard(application(pages), token, port))
         config = uvicorn.Config(
             app,
             log_level="critical",
@@ -84,17 +86,8 @@ def serve(asked: Opened, functions: Mapping[str, Home], ready: Callable[[str], N
             close()
 
 
-def _app(asked: Opened, commander: Worker, looker: Worker) -> Starlette:
-    return application(Pages(asked.folder, Jobs(commander), looker, asked.start, asked.command))
-
-
 def _listening(port: int) -> socket.socket:
-    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        listener.bind((LOOPBACK, port))
+        return socket.create_server((LOOPBACK, port), backlog=64)
     except OSError as error:
-        listener.close()
-        raise BenchError(f"--port {port}: {error.strerror}") from error
-    listener.listen(64)
-    return listener
+        raise BenchError(f"--port {port}: {os.strerror(error.errno or 0)}") from error

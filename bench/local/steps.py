@@ -12,7 +12,7 @@ from bench.basics.errors import BenchError
 from bench.basics.files.sidecar_path import sidecar_path
 from bench.basics.files.toml_input import UserTable, first_mistake
 from bench.basics.program import typed
-from bench.basics.shell_word import quoted
+from bench.basics.shell_word import each, option_words, quoted
 from bench.dataset.names import DATASET_FILE, Check, Unit, Use
 from bench.local.folder import RESULTS, Folder
 
@@ -139,7 +139,7 @@ def command_of(folder: Folder, asked: Mapping[str, Any]) -> Command:
     if isinstance(step, ImportLog):
         return _import(folder, step)
     if isinstance(step, NewRobot | CheckRobot):
-        return _new_robot(folder, step) if isinstance(step, NewRobot) else _check_robot(folder, step)
+        return _robot(folder, step)
     path = folder.root if step.dataset == "." else folder.inside(step.dataset)
     if not (path / DATASET_FILE).is_file():
         raise BenchError(f"{step.dataset}: no dataset: it holds no {DATASET_FILE}")
@@ -148,7 +148,7 @@ def command_of(folder: Folder, asked: Mapping[str, Any]) -> Command:
         return _compare(folder, path, results, step)
     if isinstance(step, Export):
         return _export(folder, results, step)
-    effects = [word for effect in step.effects for word in ("--with", _effect(effect))]
+    effects = each("--with", map(_effect, step.effects))
     if isinstance(step, Identify):
         number = _next(results, "model")
         model = results / f"model-{number}.json"
@@ -165,12 +165,11 @@ def command_of(folder: Folder, asked: Mapping[str, Any]) -> Command:
 def _compare(folder: Folder, path: Path, results: Path, step: Compare) -> Command:
     models = _models(folder, step.models)
     words = ["compare", folder.word(path)]
-    words += [word for model in models for word in ("--model", folder.word(model))]
+    words += each("--model", map(folder.word, models))
     if len(models) > 1:
         answer = results / f"{_next(results, '')}-side-by-side.json"
-        return Command(
-            step.step, step.dataset, [*words, "--json", folder.word(answer)], _files(folder, answer=answer)
-        )
+        words += ["--json", folder.word(answer)]
+        return Command(step.step, step.dataset, words, _files(folder, answer=answer))
     run = results / f"{_next(results, '')}-compare"
     answer = run.with_name(f"{run.name}.json")
     words += ["--json", folder.word(answer), "-o", folder.word(run)]
@@ -181,9 +180,7 @@ def _compare(folder: Folder, path: Path, results: Path, step: Compare) -> Comman
 
 def _export(folder: Folder, results: Path, step: Export) -> Command:
     (model,) = _models(folder, [step.model])
-    named = (
-        model if model.parent == results else model.parent
-    )  # a model inside a result folder is exported under that folder's name
+    named = model if model.parent == results else model.parent  # inside a result folder: under its name
     target = results / f"{named.name.removesuffix('.json')}{SUFFIXES[step.form]}"
     words = ["export", folder.word(model), "--to", step.form, "-o", folder.word(target)]
     sidecar = {"twin": sidecar_path(target)} if step.form == "mjcf" else {}
@@ -211,50 +208,38 @@ def _import(folder: Folder, step: ImportLog) -> Command:
         words += ["--map", f"{_plain(column)}={_plain(source)}"]
     for column, unit in step.scale.items():
         words += ["--scale", f"{_plain(column)}={unit if isinstance(unit, str) else repr(unit)}"]
-    if step.rate is not None:
-        words += ["--rate", repr(step.rate)]
-    if step.use != "identify":
-        words += ["--use", step.use]
+    words += option_words({"rate": step.rate, "use": None if step.use == "identify" else step.use})
     words += _payload(folder, step)
     if step.topic:
         words.append(f"--topic={_plain(step.topic)}")
-    if step.skip_rows:
-        words += ["--skip-rows", str(step.skip_rows)]
-    if step.split_gaps:
-        words.append("--split-gaps")
-    words += [word for kind in step.accept for word in ("--accept", kind)]
+    words += option_words({"skip_rows": step.skip_rows or None, "split_gaps": step.split_gaps})
+    words += each("--accept", step.accept)
     name = f"{folder.cleaned(log.stem)}.csv"
-    words += [*(["--replace"] if step.replace else []), "--name", name, "-o", folder.word(target)]
+    words += [*option_words({"replace": step.replace, "name": name}), "-o", folder.word(target)]
     there = name if (target / name).is_file() else ""
     return Command("import", step.log, words, {"dataset": step.dataset}, there)
 
 
-def _new_robot(folder: Folder, step: NewRobot) -> Command:
-    """The robot is written next to the MJCF; or, if that is in the opened folder itself, to a folder of its name."""
+def _robot(folder: Folder, step: NewRobot | CheckRobot) -> Command:
+    """A robot is written next to its MJCF; or, if that is in the opened folder itself, to a folder of its name."""
+    if isinstance(step, CheckRobot):
+        return Command(step.step, step.robot, ["robot", "check", folder.robot(step.robot)])
     model, name = folder.inside(step.model), folder.name(step.name)
     target = model.parent if model.parent != folder.root else folder.inside(name)
     words = ["robot", "new", folder.word(model)]
-    for motor, gain in step.motors:
-        words.append(f"--motor={_plain(motor)}={gain!r}")
-    if step.unit != "A":
-        words += ["--unit", step.unit]
+    words += [f"--motor={_plain(motor)}={gain!r}" for motor, gain in step.motors]
+    words += option_words({"unit": None if step.unit == "A" else step.unit})
     if step.tool:
         words.append(f"--tool={_plain(step.tool)}")
     words += [f"--name={name}", "-o", folder.word(target)]
     return Command(step.step, step.model, words, _files(folder, robot=target))
 
 
-def _check_robot(folder: Folder, step: CheckRobot) -> Command:
-    return Command("robot", step.robot, ["robot", "check", folder.robot(step.robot)])
-
-
 def _payload(folder: Folder, step: ImportLog) -> list[str]:
     """Options that describe the payload."""
     if not step.payload:
         return []
-    words = ["--payload", folder.name(step.payload)]
-    if step.payload_mass is not None:
-        words += ["--payload-mass", repr(step.payload_mass)]
+    words = option_words({"payload": folder.name(step.payload), "payload_mass": step.payload_mass})
     for name, numbers in (("center", step.payload_center), ("inertia", step.payload_inertia)):
         if numbers is not None:
             words.append(f"--payload-{name}={','.join(map(repr, numbers))}")

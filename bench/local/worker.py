@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection
@@ -15,10 +15,8 @@ from typing import Any
 from bench.basics.errors import BenchError
 from bench.basics.progress import Progress
 
-Function = Callable[[Mapping[str, Any], Progress], Any]
-"""A worker's function, from plain arguments to a plain answer; a user's mistake is a BenchError."""
 Home = str
-"""The location of a function as `module:name`; only the worker's process has to import it."""
+"""Where a function of arguments and `Progress` is, as `module:name`; only the worker's process has to import it."""
 
 GRACE = 5.0  # s that an ended process has to remove its half-written files
 
@@ -45,8 +43,8 @@ class Worker:
     def call(self, name: str, arguments: Mapping[str, Any], progress: Progress) -> Any:
         """Run a function and wait for its answer. progress: receives its progress.
 
-        Raises the function's BenchError, CancelledError after `cancel` or `close`, and DiedError if the process cannot
-        start or ends by itself.
+        Raises the function's BenchError, CancelledError after `cancel` or `close`, and DiedError if the process does
+        not start or ends.
         """
         with self._one_at_a_time:
             connection, fault = self._started(), ""
@@ -165,7 +163,8 @@ def _serve(connection: Connection, functions: Mapping[str, Home]) -> None:
         except EOFError:
             return
         try:
-            answer = _function(functions[name])(arguments, progress)
+            module, _, function = functions[name].partition(":")
+            answer = getattr(importlib.import_module(module), function)(arguments, progress)
         except BenchError as error:
             connection.send(("refused", str(error)))
         except Exception as error:
@@ -173,12 +172,6 @@ def _serve(connection: Connection, functions: Mapping[str, Home]) -> None:
             raise
         else:
             connection.send(("done", answer))
-
-
-def _function(home: Home) -> Function:
-    module, _, name = home.partition(":")
-    function: Function = getattr(importlib.import_module(module), name)
-    return function
 
 
 def _leave_with_parent() -> None:

@@ -42,16 +42,15 @@ def rounded(values: np.ndarray, extent: float | None = None) -> list[float | Non
     extent = extent or float(np.abs(known).max(initial=0.0)) or 1.0
     decimals = int(np.ceil(-np.log10(extent * DIGITS)))
     if decimals > 15:  # tiny: by significant digits
-        return [float(f"{v:.5g}") if np.isfinite(v) else None for v in values.tolist()]
+        return significant(values)
     short = np.round(values, decimals)
     return [None if not np.isfinite(v) else int(v) if decimals <= 0 else v for v in (short + 0.0).tolist()]
 
 
 def significant(values: npt.ArrayLike, digits: int = 5) -> list[float | None]:
     """Values (N,) to some significant digits, for logarithmic axes; None if not finite."""
-    return [
-        float(f"{v:.{digits}g}") if np.isfinite(v) else None for v in np.asarray(values, dtype=float).tolist()
-    ]
+    numbers = np.asarray(values, dtype=float).tolist()
+    return [float(f"{v:.{digits}g}") if np.isfinite(v) else None for v in numbers]
 
 
 def thinned(
@@ -132,48 +131,38 @@ def spec_of(
 
     most: points of a curve over evenly spaced x, see `thinned`; longest: letters of a category.
     """
-    x = _axis(chart.x, None)
     spec: Spec = {
         "label": typeset(chart.title),
         "height": height,
-        "x": x | ({"turned": True} if turned else {}),
+        "x": _axis(chart.x, None) | _flag("turned", turned),
         "panels": [_panel(panel, chart, most, longest) for panel in chart.panels],
     }
     if least is not None:
         spec["least"] = least
     if chart.legend != "own":
         spec["legend"] = False
-    if chart.legend == "shared":
-        spec["shared"] = True
-    return spec
+    return spec | _flag("shared", chart.legend == "shared")
 
 
 def rows_a_pair(chart: Chart, most: int) -> int:
     """The number of rows that each pair of points of the longest curve represents; 1: every row is drawn."""
-    counts = [
-        int(_rows(entry.x)[0][-1]) + 1 for entry in chart.series if isinstance(entry, Line) and len(entry.x)
-    ]
-    longest = max(counts, default=0)
+    curves = [entry.x for entry in chart.series if isinstance(entry, Line) and len(entry.x)]
+    longest = max((int(_rows(x)[0][-1]) + 1 for x in curves), default=0)
     return 1 if longest <= most else -(-2 * longest // most)
 
 
 def _panel(panel: Panel, chart: Chart, most: int | None, longest: int | None) -> Spec:
-    spec: Spec = {
-        "y": _axis(panel.y, longest),
-        "series": [_named(entry, panel, most) for entry in panel.series],
-    }
+    series = [_named(entry, panel, most) for entry in panel.series]
+    spec: Spec = {"y": _axis(panel.y, longest), "series": series}
     return spec if len(chart.panels) == 1 else {"weight": panel.weight, **spec}
 
 
 def _named(series: Series, panel: Panel, most: int | None) -> Spec:
     curve = _curve(series, panel.y, most) if isinstance(series, Line) else _series(series)
-    if isinstance(series, Levels) and series is not _last_levels(panel):
+    levels = [other for other in panel.series if isinstance(other, Levels)]
+    if series in levels[:-1]:
         curve["texts"] = []  # the texts of two lines would overlap
     return {"role": series.role, "name": typeset(series.name), **curve}
-
-
-def _last_levels(panel: Panel) -> Series:
-    return [series for series in panel.series if isinstance(series, Levels)][-1]
 
 
 def _axis(axis: Axis, longest: int | None) -> Spec:
@@ -181,19 +170,14 @@ def _axis(axis: Axis, longest: int | None) -> Spec:
     if axis.scale != "linear":
         spec["scale"] = axis.scale
     if axis.scale == "band":
-        spec["categories"] = [_cut(typeset(name), longest) for name in axis.categories]
+        names = [typeset(name) for name in axis.categories]
+        most = longest or max(map(len, names), default=0)
+        spec["categories"] = [name if len(name) <= most else f"{name[: most - 1]}…" for name in names]
     if axis.domain is not None:
         spec["domain"] = list(axis.domain)
     if axis.include:
         spec["include"] = list(axis.include)
-    for key, given in (("room", axis.room), ("percent", axis.percent)):
-        if given:
-            spec[key] = True
-    return spec
-
-
-def _cut(name: str, longest: int | None) -> str:
-    return name if longest is None or len(name) <= longest else f"{name[: longest - 1]}…"
+    return spec | _flag("room", axis.room) | _flag("percent", axis.percent)
 
 
 def _series(series: Series) -> Spec:
@@ -201,36 +185,22 @@ def _series(series: Series) -> Spec:
     spec: Spec = {}
     match series:
         case Levels():
-            spec = {
-                "kind": "line",
-                "marker": True,
-                "x": {"start": 0, "step": 1},
-                "y": significant(series.values),
-            }
-            spec["texts"] = [typeset(text) for text in series.texts]
+            spec = {"kind": "line", "marker": True, "x": {"start": 0, "step": 1}}
+            spec |= {"y": significant(series.values), "texts": [typeset(text) for text in series.texts]}
         case Band():
             spec = {"kind": "band", "low": _four(series.low), "high": _four(series.high)}
         case Rule():
-            spec = {
-                "kind": "rule",
-                "axis": series.axis,
-                "at": _four(series.at),
-                **_flag("dashed", series.dashed),
-            }
+            spec = {"kind": "rule", "axis": series.axis, "at": _four(series.at)}
+            spec |= _flag("dashed", series.dashed)
         case Binned():
             extent = float(np.nanmax(series.high) - np.nanmin(series.low)) or 1.0
             values = {name: getattr(series, name) for name in ("mean", "spread", "low", "high")}
             drawn = {name: rounded(value, extent) for name, value in values.items()}
             spec = {"kind": "bins", "x": rounded(series.center), **drawn}
         case Whiskers():
-            spec = {
-                "kind": "bins",
-                "clear": True,
-                "x": significant(series.x),
-                "spread": [0.0] * len(series.x),
-            }
-            spec |= {"mean": significant(series.middle), **_ends(series), **_flag("apart", not series.joined)}
-            spec |= _pick(series)
+            spec = {"kind": "bins", "clear": True, "x": significant(series.x), **_pick(series)}
+            spec |= {"mean": significant(series.middle), "spread": [0.0] * len(series.x)}
+            spec |= _ends(series) | _flag("apart", not series.joined)
         case Spans():
             spec = {"kind": "intervals", "y": series.y.tolist(), "x": significant(series.x), **_ends(series)}
             spec |= {"shift": series.shift} if series.shift else {}

@@ -3,8 +3,9 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from math import prod
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -96,17 +97,15 @@ def grid_figure(summary: Summary, plots: Sequence[tuple[str, str | None]]) -> Fi
     if grid is None or not metrics:
         return None
     choices = [grid.values[axis] for axis in grid.others]
-    if len(metrics) * int(np.prod([len(values) for values in choices])) > MOST_VARIANTS:
-        metrics = metrics[:1]
-    if int(np.prod([len(values) for values in choices])) > MOST_VARIANTS:
+    combinations = prod(map(len, choices))
+    if combinations > MOST_VARIANTS:
         return None
-    asked = (
-        [Choice("shown", tuple(begun(metric_title(name)) for name in metrics))] if len(metrics) > 1 else []
-    )
-    asked += [
-        Choice(axis_title(axis), tuple(map(point_label, values)))
-        for axis, values in zip(grid.others, choices, strict=True)
-    ]
+    if len(metrics) * combinations > MOST_VARIANTS:
+        metrics = metrics[:1]
+    titles = tuple(begun(metric_title(name)) for name in metrics)
+    asked = [Choice("shown", titles)] if len(metrics) > 1 else []
+    for axis, values in zip(grid.others, choices, strict=True):
+        asked.append(Choice(axis_title(axis), tuple(map(point_label, values))))
     variants = {}
     for (m, metric), *rest in product(enumerate(metrics), *(enumerate(values) for values in choices)):
         key = [str(m)] if len(metrics) > 1 else []
@@ -139,25 +138,14 @@ def _chart(grid: _Grid, metric: str, others: Mapping[str, Any]) -> PageChart:
     fixed = {axis: values[0] for axis, values in grid.values.items()} | dict(others)
     columns, rows = _rising(grid.values[grid.across]), _rising(grid.values[grid.down])
     shades = _shades(grid, metric)
-    places, middles, picks = [], [], []
-    for (i, x), (k, y) in product(enumerate(columns), enumerate(rows)):
-        point = {**fixed, grid.across: x, grid.down: y}
-        spread = grid.spread(metric, point)
-        places.append((i, k))
-        middles.append(None if spread is None else spread.middle)
-        picks.append(
-            {axis: point_label(value) for axis, value in point.items() if len(grid.values[axis]) > 1}
-        )
-    at = np.array(places)
-    cells = Cells(
-        "",
-        "before",
-        at[:, 0],
-        at[:, 1],
-        np.array([0.0 if middle is None else shades(middle) for middle in middles]),
-        tuple("–" if middle is None else value_text(metric, middle) for middle in middles),
-        tuple(picks),
-    )
+    varied = [axis for axis in grid.values if len(grid.values[axis]) > 1]
+    points = [{**fixed, grid.across: x, grid.down: y} for x, y in product(columns, rows)]
+    spreads = [grid.spread(metric, point) for point in points]
+    column, row = np.indices((len(columns), len(rows))).reshape(2, -1)
+    shade = np.array([0.0 if spread is None else shades(spread.middle) for spread in spreads])
+    texts = tuple("–" if spread is None else value_text(metric, spread.middle) for spread in spreads)
+    picks = tuple({axis: point_label(point[axis]) for axis in varied} for point in points)
+    cells = Cells("", "before", column, row, shade, texts, picks)
     chart = Chart(
         f"{begun(metric_title(metric))} over {axis_title(grid.down)} and {axis_title(grid.across)}",
         _names(grid.across, columns),
@@ -201,13 +189,10 @@ def runs_part(plan: Plan, table: Path, folder: Path, metrics: Sequence[str]) -> 
         RunsColumn("run", _numbers(columns["run"])),
         *(_axis(name, columns[name], filtered=name in grid) for name in axes),
         RunsColumn("seed", _numbers(columns["seed"])),
-        *(
-            RunsColumn(
-                begun(metric_title(name)), _numbers(columns[name]), kind="share" if is_relative(name) else ""
-            )
-            for name in metrics
-        ),
     ]
+    for name in metrics:
+        kind: Literal["", "share"] = "share" if is_relative(name) else ""
+        rows.append(RunsColumn(begun(metric_title(name)), _numbers(columns[name]), kind=kind))
     reasons = columns.get("reason", [None] * count)
     failed = {
         str(run): typeset(str(reason))

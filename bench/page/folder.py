@@ -63,10 +63,8 @@ def dataset_digest(dataset: Dataset, effect_files: Sequence[Path] = ()) -> str:
     addition to the dataset's.
     """
     robot = dataset.robot
-    recordings = [
-        dataset.folder / name for name in dict.fromkeys(recording.log for recording in dataset.recordings)
-    ]
-    files = [dataset.folder / DATASET_FILE, *recordings, robot.folder / "robot.toml"]
+    names = dict.fromkeys([DATASET_FILE, *(recording.log for recording in dataset.recordings)])
+    files = [*(dataset.folder / name for name in names), robot.folder / "robot.toml"]
     files += [*dataset.effect_files, *effect_files]
     digest = hashlib.blake2b(digest_size=SIZE)
     for path in files:
@@ -189,9 +187,14 @@ def save_run(folder: Path, kept: SavedRun) -> None:
     if diagnosis is not None:
         save_model(diagnosis.before, folder / BEFORE_FILE, dataset.folder)
         written.append(BEFORE_FILE)
-        kept_diagnosis = _diagnosis_file(diagnosis)
+        ladder = diagnosis.ladder
+        kept_diagnosis = _DiagnosisFile(
+            ladder=tuple(_Step(step.effects, step.identify, step.validate) for step in ladder),
+            between=tuple(i for i in range(1, len(ladder) - 1) if ladder[i].recordings),
+            **{name: getattr(diagnosis, name) for name in SAME},
+        )
         content["diagnosis"] = _WRITER.dump_python(kept_diagnosis)
-        between = [diagnosis.ladder[i].recordings for i in kept_diagnosis.between]
+        between = [ladder[i].recordings for i in kept_diagnosis.between]
         bare = [tuple(replace(entry, by_effect={}) for entry in series) for series in between]
         models += [diagnosis.before.recordings, *bare]
     write_series(folder / SERIES_FILE, models, joints)
@@ -207,15 +210,6 @@ def save_workbench(folder: Path, kept: SavedRun) -> None:
     content = json.loads((folder / RUN_FILE).read_text(encoding="utf-8"))
     content["files"][WORKBENCH_FILE] = file_digest(folder / WORKBENCH_FILE)
     write_json_atomically(folder / RUN_FILE, content)
-
-
-def _diagnosis_file(diagnosis: Diagnosis) -> _DiagnosisFile:
-    ladder = diagnosis.ladder
-    return _DiagnosisFile(
-        ladder=tuple(_Step(step.effects, step.identify, step.validate) for step in ladder),
-        between=tuple(i for i in range(1, len(ladder) - 1) if ladder[i].recordings),
-        **{name: getattr(diagnosis, name) for name in SAME},
-    )
 
 
 def read_run(folder: Path) -> SavedRun:
@@ -235,16 +229,13 @@ def read_run(folder: Path) -> SavedRun:
     dataset = load_dataset(data)
     for name, expected in written.files.items():
         if file_digest(folder / name) != expected:
-            raise BenchError(
-                f"{folder / name}: not what was written beside {RUN_FILE}: damaged, or changed since"
-            )
+            said = f"not what was written beside {RUN_FILE}: damaged, or changed since"
+            raise BenchError(f"{folder / name}: {said}")
     said = ""
     if written.digest is None:
-        said = f"{folder}: written by an earlier version, which kept less: worked out anew"
+        said = "written by an earlier version, which kept less: worked out anew"
     elif written.digest != dataset_digest(dataset, [Path(file) for file in run.effect_files]):
-        said = (
-            f"{folder}: its dataset, robot or effects have changed since: its models are applied to them anew"
-        )
+        said = "its dataset, robot or effects have changed since: its models are applied to them anew"
     with_held_out = with_held_out_parts(dataset)[0] if diagnosed is not None else dataset
     names = [MODEL_FILE] if diagnosed is None else [AFTER_FILE, BEFORE_FILE]
     paths = [folder / name for name in names]
@@ -253,14 +244,12 @@ def read_run(folder: Path) -> SavedRun:
         problem = replace(_problem(dataset, run, laws), dataset=with_held_out)
         models = [read_identification(file, problem) for file in paths]
         diagnosis = None if diagnosed is None else _diagnosis(diagnosed, models, {})
-        return SavedRun(run, dataset, models[0], diagnosis, written.model, said=said)
+        return SavedRun(run, dataset, models[0], diagnosis, written.model, said=f"{folder}: {said}")
     between = () if diagnosed is None else diagnosed.between
     saved = [load_model(file) for file in paths]
-    effects = [tuple(saved_model.model.effect_parameters) for saved_model in saved]
+    effects = [tuple(model.model.effect_parameters) for model in saved]
     series = read_series(folder / SERIES_FILE, with_held_out, [*effects, *(() for _ in between)])
-    models = [
-        saved_model.applied_to(with_held_out, its) for saved_model, its in zip(saved, series, strict=False)
-    ]
+    models = [model.applied_to(with_held_out, its) for model, its in zip(saved, series, strict=False)]
     rungs = dict(zip(between, series[len(paths) :], strict=True))
     diagnosis = None if diagnosed is None else _diagnosis(diagnosed, models, rungs)
     workbench = None

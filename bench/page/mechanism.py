@@ -31,7 +31,7 @@ def mechanism(
 ) -> dict[str, Any]:
     """A robot's bodies in a recording, with closed loops, and its tool's path with the error of a model, 0 to 1.
 
-    series: of the model in this recording; simulated: a twin to draw with it. Raises BenchError if a sample is out of
+    series: of the model in this recording; simulated: a twin to draw with it. Raises BenchError for a sample out of
     reach.
     """
     mjcf = data.robot.mjcf_model()
@@ -44,6 +44,7 @@ def mechanism(
     errors = np.interp(time, series.time[known], share[known]) if known.any() else np.zeros(len(time))
     largest = float(np.percentile(share[known], TOP)) if known.any() else 0.0
     tool = None if motion.tool_position is None else motion.tool_position[::every]
+    relative = np.clip(errors / largest, 0.0, 1.0) if largest > 0.0 else np.zeros(len(time))
     return {
         "time": significant(time - recording.time[0], 6),
         "low": motion.low.tolist(),
@@ -51,9 +52,7 @@ def mechanism(
         "bars": _bars(mjcf, motion, every),
         "simulated": [] if simulated is None else _simulated(mjcf, simulated, time),
         "path": None if tool is None else significant(tool.ravel(), DIGITS),
-        "error": significant(
-            np.clip(errors / largest, 0.0, 1.0) if largest > 0.0 else np.zeros(len(time)), 3
-        ),
+        "error": significant(relative, 3),
         "largest": largest,
     }
 
@@ -82,22 +81,16 @@ def _bars(mjcf: Any, motion: BodyMotion, every: int) -> list[dict[str, Any]]:
         local_ends = [mjcf.geom_pos[geom] + _turned(turn, center + sign * reach) for sign in (-1.0, 1.0)]
         frames = slice(0, 1) if mjcf.body_weldid[body] == 0 else slice(0, None, every)
         turns = motion.quaternions[frames, body]
-        ends = [motion.positions[frames, body] + _turned(turns, end) for end in local_ends]
-        bars.append(
-            {
-                "radius": radius,
-                "from": significant(ends[0].ravel(), DIGITS),
-                "to": significant(ends[1].ravel(), DIGITS),
-            }
+        start, end = (
+            significant((motion.positions[frames, body] + _turned(turns, end)).ravel(), DIGITS)
+            for end in local_ends
         )
+        bars.append({"radius": radius, "from": start, "to": end})
     return bars
 
 
 def _turned(quaternions: npt.NDArray[np.float64], vector: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """A vector (3,) rotated by unit quaternions (..., 4), x y z w.
-
-    scipy.spatial can do this too, but takes 0.2 s to import.
-    """
+    """A vector (3,) rotated by unit quaternions (..., 4), x y z w; scipy.spatial takes 0.2 s to import."""
     axis, real = quaternions[..., :3], quaternions[..., 3:]
     across = 2.0 * np.cross(axis, vector)
     return np.asarray(vector + real * across + np.cross(axis, across))

@@ -50,11 +50,11 @@ def diagnosis_page(diagnosis: Diagnosis, problem: Problem, made: Made) -> Page:
     dataset = problem.dataset
     before, after = diagnosis.before, diagnosis.after
     with_held_out = dataset_of(dataset, after.recordings)
-    models = [shown_model(COMPLETED, "after", problem, after, after.settings, label="Completed model")]
     if diagnosis.added:
-        models.insert(
-            0, shown_model(AS_IT_IS, "before", problem, before, before.settings, label="Model as it is")
-        )
+        models = [
+            shown_model(AS_IT_IS, "before", problem, before, before.settings, label="Model as it is"),
+            shown_model(COMPLETED, "after", problem, after, after.settings, label="Completed model"),
+        ]
     else:
         models = [shown_model("", "error", problem, after, after.settings)]
     noise = relative_noise_floor(with_held_out.recordings, after.recordings, after.settings)
@@ -138,7 +138,7 @@ def replay_page(result: Replay, problem: Problem, saved: Identification, made: M
     return Page(
         title=f"The twin of {result.twin.robot} along recorded motions",
         facts=_facts(dataset, f"model {result.twin.model}", "simulated by MuJoCo alone"),
-        verdict=tuple(typeset(replay_sentence) for replay_sentence in replay_sentences(result)),
+        verdict=tuple(map(typeset, replay_sentences(result))),
         tiles=replay_tiles(result, twin.where, noise),
         sections=(
             errors_section(twin, result.twin.recordings, noise),

@@ -1,6 +1,6 @@
 """The parts of a page: frozen plain data, ready for JSON."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any, Literal
@@ -50,10 +50,7 @@ class PageRow:
 
 @dataclass(frozen=True)
 class PageTable:
-    """title: names the contents; aid: one line on how to read the table; folded: shown only on request.
-
-    id: target of links.
-    """
+    """aid: one line on how to read the table; folded: shown only on request; id: target of links."""
 
     title: str
     aid: str
@@ -82,7 +79,6 @@ class Text:
     title: str
     paragraphs: tuple[str, ...]
     aid: str = ""
-    folded: bool = False
     type: Literal["text"] = "text"
 
 
@@ -93,7 +89,6 @@ class Commands:
     title: str
     aid: str
     lines: tuple[str, ...]
-    folded: bool = False
     type: Literal["commands"] = "commands"
 
 
@@ -153,7 +148,6 @@ class Figure:
     choices: tuple[Choice, ...]
     variants: Mapping[str, Variant]
     printed: tuple[str, ...]
-    folded: bool = False
     type: Literal["figure"] = "figure"
 
 
@@ -172,16 +166,13 @@ class RunsColumn:
 
 @dataclass(frozen=True)
 class Runs:
-    """The runs of a sweep. The first column has their numbers; failed: reasons by number; command: shows the runs whose
-    numbers follow it.
-    """
+    """Runs of a sweep. The first column: numbers; failed: reasons by number; command: shows the runs that follow."""
 
     title: str
     aid: str
     columns: tuple[RunsColumn, ...]
     failed: Mapping[str, str]
     command: str
-    folded: bool = False
     type: Literal["runs"] = "runs"
 
 
@@ -193,7 +184,6 @@ class Mechanism:
     aid: str
     recording: str
     data: Mapping[str, Any]
-    folded: bool = False
     type: Literal["mechanism"] = "mechanism"
 
 
@@ -257,6 +247,20 @@ def row(*cells: str | Cell, kind: str = "") -> PageRow:
     return PageRow(tuple(cell if isinstance(cell, Cell) else Cell(cell) for cell in cells), kind)
 
 
+def page_table(
+    title: str,
+    aid: str,
+    heads: Mapping[str, Kind],
+    rows: Iterable[PageRow | Sequence[str | Cell]],
+    *,
+    folded: bool = False,
+) -> PageTable:
+    """A table of texts and cells. heads: the kind of each column, by its header."""
+    columns = tuple(PageColumn(header, kind) for header, kind in heads.items())
+    cells = tuple(entry if isinstance(entry, PageRow) else row(*entry) for entry in rows)
+    return PageTable(title, aid, columns, cells, folded)
+
+
 def on_page(table: document.Table, title: str, aid: str, *, folded: bool = False) -> PageTable:
     """The table with its title and a line on how to read it."""
     columns = [column for column in table.columns if column.kind != "bar"]
@@ -271,10 +275,8 @@ def on_page(table: document.Table, title: str, aid: str, *, folded: bool = False
 
 
 def _cells(column: document.Column) -> list[Cell]:
-    if column.kind == "verdict":
-        return [Cell(text, f"badge {text}") for text in column.texts]
-    if column.kind == "text":
-        return [Cell(text) for text in column.texts]
+    if column.kind in {"verdict", "text"}:
+        return [Cell(text, f"badge {text}" if column.kind == "verdict" else "") for text in column.texts]
     if column.kind == "terms":
         return [Cell(text.replace("- ", "− ") or "alone") for text in column.texts]
     return [

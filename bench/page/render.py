@@ -5,7 +5,7 @@ import hashlib
 import json
 import re
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -38,13 +38,13 @@ class Workbench:
 
     data: dict[str, Any]
     script: str
-    style: str = field(default="")
+    style: str = ""
     after: str = "ranking"
 
 
-def asset(name: str) -> str:
+def asset(name: str, folder: Path = ASSETS) -> str:
     """The text of one of the page's files."""
-    return (ASSETS / name).read_text(encoding="utf-8")
+    return (folder / name).read_text(encoding="utf-8")
 
 
 def render_page(page: Page, workbench: Workbench | None = None) -> str:
@@ -54,11 +54,8 @@ def render_page(page: Page, workbench: Workbench | None = None) -> str:
     """
     kinds = {type(part) for section in page.sections for part in section.parts}
     more = [name for kind, name in ((Runs, RUNS), (Mechanism, MACHINE)) if kind in kinds]
-    scripts = [
-        *map(asset, (*EVERY_PAGE, *more)),
-        *([workbench.script] if workbench else []),
-        asset("page.js"),
-    ]
+    added = [workbench.script] if workbench else []
+    scripts = [*map(asset, (*EVERY_PAGE, *more)), *added, asset("page.js")]
     style = asset("page.css") + (workbench.style if workbench else "")
     # a script ends at the first end tag, even inside a string: none of ours may contain one
     if any("</" in text for text in (*scripts, style)):
@@ -67,12 +64,18 @@ def render_page(page: Page, workbench: Workbench | None = None) -> str:
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     environment.filters["said"] = _said
     template = environment.from_string(asset("page.html.j2"))
+    figures = {
+        f"{section.id}-{i}": asdict(part)  # the template gives them these ids
+        for section in page.sections
+        for i, part in enumerate(section.parts)
+        if isinstance(part, Figure | Runs | Mechanism)
+    }
     return template.render(
         page=page,
         policy=policy(scripts, style),
         style=Markup(style),
         scripts=[Markup(script) for script in scripts],
-        figures=_data(_figures(page)),
+        figures=_data(figures),
         workbench=workbench is not None,
         workbench_after=after[0] if after else 0,
         workbench_data=_data(workbench.data) if workbench else "",
@@ -95,16 +98,6 @@ def _hash(text: str) -> str:
 def _said(sentence: str) -> Markup:
     """A sentence as HTML, with text between backticks, a command or a name to type, as code."""
     return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(sentence))))
-
-
-def _figures(page: Page) -> dict[str, Any]:
-    """Data of figures, runs and mechanisms, by the id that the template gives them."""
-    return {
-        f"{section.id}-{i}": asdict(part)
-        for section in page.sections
-        for i, part in enumerate(section.parts)
-        if isinstance(part, Figure | Runs | Mechanism)
-    }
 
 
 def _data(value: Any) -> Markup:

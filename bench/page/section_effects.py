@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -29,20 +30,18 @@ from bench.identification.result import CurrentSeries, DriveGain, Identification
 from bench.identification.scale_words import scale_sentence, why_nominal
 from bench.page.chart_spec import chart_figure, spec_of
 from bench.page.parts import (
-    Cell,
     Choice,
     Figure,
     Items,
+    Kind,
     PageChart,
-    PageColumn,
-    PageRow,
     PageTable,
     Part,
     Section,
     Text,
     Variant,
     on_page,
-    row,
+    page_table,
     sentences_section,
 )
 from bench.residuals.error_breakdown import Direction
@@ -73,7 +72,6 @@ LAWS_AID = (
 BINS = 24
 HEIGHT = 260  # px
 PANES = 3  # charts of a law, at most
-SERIES = {"position": "position", "velocity": "velocity", "acceleration": "acceleration"}
 UNIT_OF = {"position": "{}", "velocity": "{}/s", "acceleration": "{}/s²"}
 
 
@@ -99,25 +97,13 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
         parts.append(Items("Effects that count", "", ("None: no effect of the catalogue is supported.",)))
     if rest:
         title = f"{plural(len(rest), 'effect')} that the data do not support"
-        parts.append(
-            on_page(
-                _with_reasons(diagnosis, rest),
-                title,
-                "Adding one of them gains nothing that is sure.",
-                folded=True,
-            )
-        )
+        aid = "Adding one of them gains nothing that is sure."
+        parts.append(on_page(_with_reasons(diagnosis, rest), title, aid, folded=True))
     if absorbed:
         title = f"{plural(len(absorbed), 'effect')} that no data of this robot could show"
-        rows = tuple(
-            row(effect_name(verdict.effect), typeset(reason_sentence(verdict))) for verdict in absorbed
-        )
+        rows = [(effect_name(verdict.effect), typeset(reason_sentence(verdict))) for verdict in absorbed]
         aid = "The model's own parameters take them up completely, so they do no harm to its currents."
-        parts.append(
-            PageTable(
-                title, aid, (PageColumn("effect", "keep"), PageColumn("reason", "words")), rows, folded=True
-            )
-        )
+        parts.append(page_table(title, aid, {"effect": "keep", "reason": "words"}, rows, folded=True))
     lead = f"Every effect of the catalogue, and every set of a few, was fitted and judged on {validated_on(diagnosis)}."
     return Section("ranking", "Which effects are missing", typeset(lead), tuple(parts), "Missing effects")
 
@@ -125,9 +111,9 @@ def ranking_section(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> Se
 def _laws(diagnosis: Diagnosis, catalogue: Mapping[str, Effect]) -> list[Part]:
     """The laws of the identified effects, if their classes state them."""
     known = [catalogue[name] for name in diagnosis.missing if name in catalogue]
-    rows = tuple(row(effect_name(entry.name), entry.law, entry.symbols) for entry in known if entry.law)
-    columns = (PageColumn("effect", "keep"), PageColumn("law", "words"), PageColumn("symbols", "words"))
-    return [PageTable("Laws of what was found", LAWS_AID, columns, rows)] if rows else []
+    rows = [(effect_name(entry.name), entry.law, entry.symbols) for entry in known if entry.law]
+    heads: Mapping[str, Kind] = {"effect": "keep", "law": "words", "symbols": "words"}
+    return [page_table("Laws of what was found", LAWS_AID, heads, rows)] if rows else []
 
 
 def _with_reasons(diagnosis: Diagnosis, chosen: Sequence[EffectVerdict]) -> document.Table:
@@ -189,28 +175,15 @@ def laws_section(diagnosis: Diagnosis) -> Section:
 
 
 def _terms(laws: Sequence[Discovered]) -> PageTable:
+    values: list[tuple[str, str, Any]] = []
+    values += [(law.place, symbols(term.term), term) for law in laws for term in law.terms]
+    values += [(law.place, name, value) for law in laws for name, value in law.numbers.items()]
     rows = [
-        _row(law.place, symbols(term.term), short(term.value), short(term.std, 2), symbols(term.unit))
-        for law in laws
-        for term in law.terms
+        (place, name, short(value.value), short(value.std, 2), symbols(value.unit))
+        for place, name, value in values
     ]
-    rows += [
-        _row(law.place, name, short(value.value), short(value.std, 2), symbols(value.unit))
-        for law in laws
-        for name, value in law.numbers.items()
-    ]
-    columns = (
-        PageColumn("at"),
-        PageColumn("term or number"),
-        PageColumn("value", "right"),
-        PageColumn("standard error", "right"),
-        PageColumn("unit"),
-    )
-    return PageTable("Terms", "The law is the sum of its terms.", columns, tuple(rows))
-
-
-def _row(*texts: str) -> PageRow:
-    return PageRow(tuple(Cell(text) for text in texts))
+    heads: Mapping[str, Kind] = {"at": "", "term or number": "", "value": "right", "standard error": "right"}
+    return page_table("Terms", "The law is the sum of its terms.", {**heads, "unit": ""}, rows)
 
 
 def _charts(law: Discovered, after: Identification) -> tuple[PageChart, ...]:
@@ -222,7 +195,7 @@ def _charts(law: Discovered, after: Identification) -> tuple[PageChart, ...]:
         for look in term.looks_at
         if look.role != "direction"
     )
-    usable = [look for look in looks if look.what in (*SERIES, "time", "load")]
+    usable = [look for look in looks if look.what in (*UNIT_OF, "time", "load")]
     charts = [_chart(law, after, look, joints, units) for look in usable or [LooksAt("velocity", "", "size")]]
     return tuple(charts[:PANES])
 
@@ -234,13 +207,8 @@ def _chart(
     j = joints.index(discovered_law.place)
     at = joints.index(look.motor) if look.motor else j
     gain = after.drive_gains[discovered_law.place].value
-    x, law, residual, forwards = (
-        np.concatenate(parts)
-        for parts in zip(
-            *(_rows(each, discovered_law.law, j, at, look.what, gain) for each in after.recordings),
-            strict=True,
-        )
-    )
+    of_each = [_rows(each, discovered_law.law, j, at, look.what, gain) for each in after.recordings]
+    x, law, residual, forwards = map(np.concatenate, zip(*of_each, strict=True))
     series: list[Series] = []
     directions: tuple[tuple[Direction, np.ndarray], ...] = (("forwards", forwards), ("backwards", ~forwards))
     for role, way in directions:
@@ -275,6 +243,6 @@ def _rows(
     elif what == "load":
         x = series.modelled[:, at]
     else:
-        x = getattr(series, SERIES[what])[:, at]
+        x = getattr(series, what)[:, at]
     torque = series.by_effect[law][:, j]
     return x[rows], torque[rows], gain * series.error[rows, j], series.velocity[rows, j] > 0.0

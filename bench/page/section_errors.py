@@ -1,7 +1,7 @@
 """Sections on the errors: the ladder, errors by recording and motor, the currents, and where each motor fails."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from bench.basics.plural import plural
 from bench.diagnosis.reason_words import validated_on
@@ -22,21 +22,21 @@ from bench.page.chart_spec import chart_figure, page_chart, rows_a_pair, spec_of
 from bench.page.parts import (
     Choice,
     Figure,
+    Kind,
     Linked,
     Mechanism,
     PageChart,
-    PageColumn,
     PageTable,
     Section,
     Text,
     Variant,
     on_page,
-    row,
+    page_table,
 )
 from bench.residuals.error_breakdown import error_breakdown
 from bench.residuals.look_alikes import possible_effects
-from bench.residuals.motor import Compared, MotorSeries, compared
-from bench.residuals.residuals import WhereItFails, errors_by_motor
+from bench.residuals.motor import Compared, MotorSeries, compared, relative_error_of, relative_noise
+from bench.residuals.residuals import MotorErrors, WhereItFails, errors_by_motor
 from bench.residuals.words import MOST_LOOKS, overlapping, whole_alike, whole_sentences
 from bench.signals.settings import FilterSettings
 
@@ -47,7 +47,7 @@ CURRENTS, MOTOR = "currents", "Motor"  # the section of the curves, and its choi
 ON_PAPER = 8  # variants of the currents that are printed
 ERROR_AID = "Error: RMS(measured − modelled current) over RMS(measured current), where the joint moves."
 MOTORS_ON_PAPER = 6  # motors that are printed
-LAWS = "laws-alike"  # id of the table of laws with similar errors
+LAWS, ATLAS = "laws-alike", "atlas of effects"  # the table of laws with similar errors, and a column of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +67,7 @@ class ShownModel:
 
     def one(self, joint: str, recording: str) -> MotorSeries | None:
         """The series of one motor in one recording; None if it hardly moves."""
-        traces = [trace for trace in self.what.of(joint) if trace.recording == recording]
-        return traces[0] if traces else None
+        return next((trace for trace in self.what.of(joint) if trace.recording == recording), None)
 
 
 def shown_model(
@@ -82,14 +81,12 @@ def shown_model(
 ) -> ShownModel:
     """Find where a model's errors are. problem: with the dataset of the model's series.
 
-    has: the model's effects; if given, other effects that would leave such errors are named. name, label: see
-    `ShownModel`.
+    has: the model's effects; if given, others that would leave such errors are named. name, label: see `ShownModel`.
     """
     dataset = dataset_of(problem.dataset, model.recordings)
     what = compared(dataset.robot, dataset.recordings, model.recordings, settings)
-    if has is None:
-        return ShownModel(name, role, what, errors_by_motor(what), label)
-    return ShownModel(name, role, what, errors_by_motor(what, possible_effects(problem), has), label)
+    possible = {} if has is None else possible_effects(problem)
+    return ShownModel(name, role, what, errors_by_motor(what, possible, has or ()), label)
 
 
 def ladder_section(diagnosis: Diagnosis, errors: PageTable) -> Section:
@@ -100,11 +97,10 @@ def ladder_section(diagnosis: Diagnosis, errors: PageTable) -> Section:
     figure: Figure | Text = chart_figure(ladder_chart(diagnosis), 300)
     if len(steps) == 1:
         lead = f"No effect helps beyond chance; {judged}"
-        only = share(steps[0].reported)
-        said = (
-            f"No effect was added: the model as it is leaves an error of {only}, noise alone {share(floor)}."
+        leaves = (
+            f"the model as it is leaves an error of {share(steps[0].reported)}, noise alone {share(floor)}."
         )
-        figure = Text("", (typeset(said),))
+        figure = Text("", (typeset(f"No effect was added: {leaves}"),))
     title = "The same in numbers" if len(steps) > 1 else "In numbers"
     table = on_page(ladder_table(diagnosis), title, ERROR_AID)
     return Section("ladder", "The ladder", typeset(lead), (figure, table, errors), "Ladder")
@@ -191,14 +187,9 @@ def currents_section(
 
 def _facts(joint: str, curves: Sequence[Curve]) -> tuple[str, str]:
     """What is shown, a motor in a recording, and its errors."""
-    errors = []
-    for _, name, trace in curves:
-        measured = float(trace.measured @ trace.measured)
-        value = float(trace.error @ trace.error / measured) ** 0.5 if measured else None
-        errors.append(f"{share(value)}{' ' + name if name else ''}")
+    errors = [f"{share(relative_error_of([trace]))} {name}".rstrip() for _, name, trace in curves]
     trace = curves[-1][2]
-    measured = float(trace.measured @ trace.measured)
-    noise = trace.noise * (len(trace.time) / measured) ** 0.5 if measured else None
+    noise = relative_noise([trace]) if trace.measured.any() else None
     said_of = f"with payload {trace.payload}" if trace.payload else "without payload"
     rows = plural(len(trace.time), "row")
     heading = f"{joint} in {trace.recording}, {said_of}"
@@ -207,12 +198,13 @@ def _facts(joint: str, curves: Sequence[Curve]) -> tuple[str, str]:
 
 def _loudest(shown: ShownModel) -> int:
     """Index of the motor with the largest error relative to its noise, the one most worth looking at."""
-    beyond = {
-        motor.joint: motor.error / max(motor.noise, 1e-12)
-        for motor in shown.where.motors
-        if motor.above_noise
-    }
+    beyond = {motor.joint: _beyond(motor) for motor in shown.where.motors if motor.above_noise}
     return max(range(len(shown.joints)), key=lambda j: beyond.get(shown.joints[j], 0.0), default=0)
+
+
+def _beyond(motor: MotorErrors) -> float:
+    """A motor's error relative to its noise."""
+    return motor.error / max(motor.noise, 1e-12)
 
 
 def _worst(shown: ShownModel, joint: str, names: Sequence[str]) -> int:
@@ -243,16 +235,9 @@ def where_section(models: Sequence[ShownModel]) -> Section:
             key = f"{j}|{m}" if len(models) > 1 else f"{j}"
             curves = Linked("Over time:", f"curves of {joint}", CURRENTS, {MOTOR: joint})
             variants[key] = Variant(charts, (*sentences, *alike, curves))
-    loud = [
-        m
-        for m, model in enumerate(models)
-        if any(motor_errors.above_noise for motor_errors in model.where.motors)
-    ]
+    loud = [m for m, model in enumerate(models) if any(motor.above_noise for motor in model.where.motors)]
     first = loud[-1] if loud else len(models) - 1
-    motors = models[first].where.motors
-    worst = max(
-        motors, key=lambda motor_errors: motor_errors.error / max(motor_errors.noise, 1e-12), default=None
-    )
+    worst = max(models[first].where.motors, key=_beyond, default=None)
     choices = [Choice("Motor", joints, joints.index(worst.joint) if worst is not None else 0)]
     if len(models) > 1:
         choices.append(Choice("Model", options, first))
@@ -268,8 +253,7 @@ def where_section(models: Sequence[ShownModel]) -> Section:
     )
     introduction = "What chance could do as well is not mentioned; what is mentioned is far beyond it."
     shares = next((words for model in models if (words := overlapping(model.where))), "")
-    lead = f"{introduction} {shares}".rstrip()
-    return Section("where", "Where it fails", lead, (figure, *laws))
+    return Section("where", "Where it fails", f"{introduction} {shares}".rstrip(), (figure, *laws))
 
 
 def _laws(models: Sequence[ShownModel]) -> tuple[PageTable, ...]:
@@ -279,18 +263,14 @@ def _laws(models: Sequence[ShownModel]) -> tuple[PageTable, ...]:
     for rival in alike:
         for name in rival.effects:
             questions.setdefault(name, rival.question)
-    rows = tuple(
-        row(effect_name(name), typeset(CATALOGUE[name].law), CATALOGUE[name].shown_by, f"question {question}")
+    rows = [
+        (effect_name(name), typeset(CATALOGUE[name].law), CATALOGUE[name].shown_by, f"question {question}")
         for name, question in questions.items()
         if name in CATALOGUE
-    )
+    ]
     if not rows:
         return ()
-    columns = (
-        PageColumn("effect", "keep"),
-        PageColumn("law", "words"),
-        PageColumn("shown by", "words"),
-        PageColumn("atlas of effects", "keep"),
-    )
+    heads: Mapping[str, Kind] = {"effect": "keep", "law": "words", "shown by": "words", ATLAS: "keep"}
     aid = "Candidates, the plainest first, from the key of the handbook's atlas; bench diagnose decides between them."
-    return (PageTable("Effects that would leave such errors", aid, columns, rows, folded=True, id=LAWS),)
+    title = "Effects that would leave such errors"
+    return (replace(page_table(title, aid, heads, rows, folded=True), id=LAWS),)

@@ -1,6 +1,6 @@
 """Sections on the parameters: values, standard errors, groupings, conditioning, and excitation."""
 
-from itertools import pairwise
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from bench.identification.decision import RULE
 from bench.identification.finding import Unknown
 from bench.identification.result import BandPoint, CurrentSeries, Identification
 from bench.page.chart_spec import chart_figure
-from bench.page.parts import Items, PageColumn, PageTable, Part, Section, on_page, row
+from bench.page.parts import Items, Kind, PageTable, Part, Section, on_page, page_table
 
 ROLES: tuple[Role, ...] = ("three", "four", "five", "six", "seven")  # errors have the first two colours
 HEIGHT = 330  # px
@@ -129,11 +129,11 @@ def conditioning_section(result: Identification) -> Section:
     ]
     pairs = _alike(result)
     if pairs:
-        columns = (PageColumn("one", "keep"), PageColumn("other", "keep"), PageColumn("correlation", "right"))
-        rows = tuple(row(a, b, short(value, 3)) for a, b, value in pairs[:MOST_PAIRS])
+        heads: Mapping[str, Kind] = {"one": "keep", "other": "keep", "correlation": "right"}
+        rows = [(a, b, short(value, 3)) for a, b, value in pairs[:MOST_PAIRS]]
         more = f" {len(pairs) - MOST_PAIRS} more pairs are not shown." if len(pairs) > MOST_PAIRS else ""
         aid = f"Estimates that only their sum or difference is well known of.{more}"
-        parts.append(PageTable("Pairs that the data hardly tell apart", aid, columns, rows))
+        parts.append(page_table("Pairs that the data hardly tell apart", aid, heads, rows))
     parts.append(Items("Not excited", "", tuple(_not_excited(result))))
     lead = "Whether the movements were rich enough to tell the unknowns apart."
     return Section("conditioning", "Conditioning and excitation", lead, tuple(parts), "Conditioning")
@@ -146,20 +146,13 @@ def _fitted(result: Identification) -> list[CurrentSeries]:
 def _reversals(series: CurrentSeries, j: int) -> int:
     """How often a motor reverses, counted over the rows in which it moves."""
     signs = np.sign(series.velocity[:, j][series.moving[:, j]])
-    return sum(a * b < 0 for a, b in pairwise(signs.tolist()))
+    return int((signs[1:] * signs[:-1] < 0).sum())
 
 
 def _motion_table(result: Identification) -> PageTable:
     fitted = _fitted(result)
-    columns = (
-        PageColumn("motor"),
-        PageColumn("position", "right"),
-        PageColumn("speed, RMS and largest", "right"),
-        PageColumn("acceleration, RMS", "right"),
-        PageColumn("current, RMS", "right"),
-        PageColumn("reversals", "right"),
-        PageColumn("moves", "right"),
-    )
+    right = ("position", "speed, RMS and largest", "acceleration, RMS", "current, RMS", "reversals", "moves")
+    heads: dict[str, Kind] = {"motor": "", **dict.fromkeys(right, "right")}
     rows = []
     for j, joint in enumerate(result.joints):
         gain = result.drive_gains[joint]
@@ -169,7 +162,7 @@ def _motion_table(result: Identification) -> PageTable:
         )
         unit = units_of_gain(gain.unit).position
         rows.append(
-            row(
+            (
                 joint,
                 f"{_at(position.min(), position)} to {_at(position.max(), position)} {unit}",
                 f"{short(_rms(velocity), 3)} and {short(np.abs(velocity).max(), 3)} {unit}/s",
@@ -182,7 +175,7 @@ def _motion_table(result: Identification) -> PageTable:
     aid = (
         "Over the fitted recordings, after the filters of the fit. moves: share of the rows in which it does."
     )
-    return PageTable("What the motors did", aid, columns, tuple(rows))
+    return page_table("What the motors did", aid, heads, rows)
 
 
 def _at(value: float, values: np.ndarray) -> str:
@@ -199,16 +192,13 @@ def _not_excited(result: Identification) -> list[str]:
     said = []
     fitted = _fitted(result)
     for j, joint in enumerate(result.joints):
-        count = sum(_reversals(trace, j) for trace in fitted)
-        if count < REVERSALS:
+        if (count := sum(_reversals(trace, j) for trace in fitted)) < REVERSALS:
             said.append(
                 f"{joint} reverses {count} times: friction and offset can hardly be told apart there."
             )
-    poor = [parameter.name for parameter in result.parameters if is_poor(parameter)]
-    if poor:
-        said.append(
-            f"Poorly determined (standard error above {100 * RULE.loose:.0f} % of the value): {', '.join(poor)}."
-        )
+    if poor := [parameter.name for parameter in result.parameters if is_poor(parameter)]:
+        share_of = f"standard error above {100 * RULE.loose:.0f} % of the value"
+        said.append(f"Poorly determined ({share_of}): {', '.join(poor)}.")
     unknown = [
         f"{name} of {effect.replace('_', ' ')} at {joint}"
         for effect, joint, name, quantity in flat_effects(result)

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from bench.basics.shell_word import quoted
+from bench.basics.shell_word import each, option_words, quoted
 from bench.basics.versions import Versions, versions
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.dependence_words import unfinished_sentence
@@ -13,7 +13,7 @@ from bench.diagnosis.result import Diagnosis, Unfinished
 from bench.document.numbers import STD_FROM, USES, fit_rate
 from bench.document.typeset import effect_name, short, typeset
 from bench.identification.result import Identification
-from bench.page.parts import Commands, PageColumn, PageTable, Part, Section, row, sentences_section
+from bench.page.parts import Commands, Kind, PageTable, Part, Section, page_table, sentences_section
 from bench.signals.settings import FilterSettings
 
 
@@ -35,13 +35,8 @@ class CommandRun:
 
     def option_words(self) -> list[str]:
         """The words after the dataset."""
-        words = [word for effect in self.effects for word in ("--with", effect)]
-        words += [word for file in self.effect_files for word in ("--effect-file", file)]
-        for name, value in self.options.items():
-            if value not in (None, False):
-                words.append(f"--{name.replace('_', '-')}")
-                if value is not True:
-                    words.append(",".join(map(str, value)) if isinstance(value, list | tuple) else str(value))
+        words = [*each("--with", self.effects), *each("--effect-file", self.effect_files)]
+        words += option_words(self.options)
         return [*words, "-o", self.output] if self.output else words
 
 
@@ -83,18 +78,12 @@ def limits_section(
     if diagnosis is not None:
         if not diagnosis.finished:
             limits.append(typeset(unfinished_sentence(diagnosis)))
-        hidden = [
-            effect_name(verdict.effect) for verdict in diagnosis.ranking if verdict.verdict == "absorbed"
-        ]
-        if hidden:
-            limits.append(f"No data of this robot with these payloads could show: {', '.join(hidden)}.")
-        doubtful = [
-            effect_name(verdict.effect)
-            for verdict in diagnosis.ranking
-            if verdict.verdict == "indistinguishable"
-        ]
-        if doubtful:
-            limits.append(f"These recordings cannot decide on: {', '.join(doubtful)}.")
+        for verdict, said in (
+            ("absorbed", "No data of this robot with these payloads could show"),
+            ("indistinguishable", "These recordings cannot decide on"),
+        ):
+            names = [effect_name(ranked.effect) for ranked in diagnosis.ranking if ranked.verdict == verdict]
+            limits += [f"{said}: {', '.join(names)}."] if names else []
         if diagnosis.unexplained.significant:
             searched = Unfinished.SETS not in diagnosis.unfinished
             words = unexplained_words(diagnosis.unexplained, searched=searched)
@@ -114,7 +103,7 @@ def run_section(
         parts.append(_payloads_table(dataset))
     parts += [
         _settings_table(settings, result, dataset),
-        _versions_table(made.by),
+        _versions([("Python", made.by.python), *made.by.packages, ("commit", made.by.commit)]),
         Commands("Run it again", "In the folder from which it was run, with the same version.", made.again),
     ]
     lead = "All that is needed to get the same page from the same recordings."
@@ -124,8 +113,8 @@ def run_section(
 
 
 def _recordings_table(dataset: Dataset) -> PageTable:
-    rows = tuple(
-        row(
+    rows = [
+        (
             recording.name,
             USES[recording.use],
             recording.payload or "none",
@@ -134,16 +123,10 @@ def _recordings_table(dataset: Dataset) -> PageTable:
             short(recording.rate, 6),
         )
         for recording in dataset.recordings
-    )
-    columns = (
-        PageColumn("file"),
-        PageColumn("use", "keep"),
-        PageColumn("payload"),
-        PageColumn("samples", "right"),
-        PageColumn("duration [s]", "right"),
-        PageColumn("rate [Hz]", "right"),
-    )
-    return PageTable("Recordings", "As dataset.toml lists them.", columns, rows)
+    ]
+    heads: Mapping[str, Kind] = {"file": "", "use": "keep", "payload": "", "samples": "right"}
+    heads = {**heads, "duration [s]": "right", "rate [Hz]": "right"}
+    return page_table("Recordings", "As dataset.toml lists them.", heads, rows)
 
 
 def _payloads_table(dataset: Dataset) -> PageTable:
@@ -154,16 +137,10 @@ def _payloads_table(dataset: Dataset) -> PageTable:
             "estimated" if values is None else ", ".join(short(float(v), 5) for v in values)
             for values in (payload.center_of_mass, payload.inertia)
         )
-        rows.append(row(name, mass, center, inertia))
-    columns = (
-        PageColumn("payload"),
-        PageColumn("mass [kg]", "right"),
-        PageColumn("centre of mass, tool frame [m]"),
-        PageColumn("inertia Ixx Iyy Izz Ixy Ixz Iyz [kg·m²]"),
-    )
-    return PageTable(
-        "Payloads", "What dataset.toml declares; what it does not is estimated.", columns, tuple(rows)
-    )
+        rows.append((name, mass, center, inertia))
+    heads: Mapping[str, Kind] = {"payload": "", "mass [kg]": "right", "centre of mass, tool frame [m]": ""}
+    aid = "What dataset.toml declares; what it does not is estimated."
+    return page_table("Payloads", aid, {**heads, "inertia Ixx Iyy Izz Ixy Ixz Iyz [kg·m²]": ""}, rows)
 
 
 def _settings_table(settings: FilterSettings, result: Identification | None, dataset: Dataset) -> PageTable:
@@ -175,8 +152,7 @@ def _settings_table(settings: FilterSettings, result: Identification | None, dat
             ("drive gains", "fitted" if result.gains_fitted else "nominal"),
             ("standard errors", f"for {result.deviations} errors; from {STD_FROM[result.std_from]}"),
         ]
-        rate = fit_rate(result)
-        rows.append(("rate of the fit", "–" if rate is None else f"{rate:.4g} Hz"))
+        rows.append(("rate of the fit", "–" if (rate := fit_rate(result)) is None else f"{rate:.4g} Hz"))
     rows += [
         ("position low-pass", f"{settings.position_cutoff:.4g} Hz, order {settings.filter_order}, both ways"),
         ("differences", f"central, order {settings.difference_order}"),
@@ -187,29 +163,20 @@ def _settings_table(settings: FilterSettings, result: Identification | None, dat
     ]
     if dataset.effect_files:
         rows.append(("own effects", ", ".join(path.name for path in dataset.effect_files)))
-    columns = (PageColumn("setting", "keep"), PageColumn("value"))
     aid = "Chosen from the spectra of the data unless they were given."
-    return PageTable("Settings", aid, columns, tuple(row(*pair) for pair in rows))
-
-
-def _versions_table(by: Versions) -> PageTable:
-    rows = [("Python", by.python), *(package for package in by.packages if package[1])]
-    if by.commit:
-        rows.append(("commit", by.commit))
-    return _versions(rows)
+    return page_table("Settings", aid, {"setting": "keep", "value": ""}, rows)
 
 
 def versions_of(columns: Mapping[str, Sequence[Any]]) -> PageTable:
     """The versions that computed the rows of a table, from its columns commit and version.PACKAGE."""
-    rows = []
-    for name, values in columns.items():
-        different = sorted({str(value) for value in values if value not in (None, "")})
-        if different:
-            rows.append((name.removeprefix("version."), ", ".join(different)))
-    return _versions(rows)
+    different = {name: sorted({str(value) for value in columns[name] if value}) for name in columns}
+    return _versions(
+        [(name.removeprefix("version."), ", ".join(values)) for name, values in different.items()]
+    )
 
 
 def _versions(rows: Sequence[tuple[str, str]]) -> PageTable:
-    columns = (PageColumn("package", "keep"), PageColumn("version"))
+    """Versions by package; unknown ones are empty and omitted."""
     aid = "What computed this page. A commit with + had files that differ from it."
-    return PageTable("Versions", aid, columns, tuple(row(*pair) for pair in rows), folded=True)
+    known = [package for package in rows if package[1]]
+    return page_table("Versions", aid, {"package": "keep", "version": ""}, known, folded=True)

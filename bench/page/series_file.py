@@ -22,7 +22,11 @@ MEASURED = ("measured", "position", "velocity", "acceleration", "moving")
 def write_series(path: Path, models: Sequence[Sequence[CurrentSeries]], joints: Sequence[str]) -> None:
     """Write the models' currents, whole or not at all. Raises ValueError if they are of different rows."""
     first = models[0]
-    _check_same(models)
+    for model in models[1:]:
+        for trace, other in zip(first, model, strict=True):
+            same = all(np.array_equal(getattr(trace, kind), getattr(other, kind)) for kind in MEASURED)
+            if trace.name != other.name or not same:
+                raise ValueError(f"{other.name}: measured in other rows than {trace.name}")
     lengths = [len(trace.time) for trace in first]
     names = pa.array([trace.name for trace in first], pa.string())
     columns: dict[str, pa.Array] = {
@@ -67,40 +71,19 @@ def read_series(
     recording = np.asarray(table["recording"].cast(pa.string()), dtype=str)
     if set(recording.tolist()) != {logged.name for logged in dataset.recordings}:
         raise BenchError(f"{path}: of other recordings than this result")
-    values = {
-        kind: np.column_stack([table[f"{kind}.{joint}"].to_numpy() for joint in joints]) for kind in kinds
-    }
+    of_joints = {kind: [table[f"{kind}.{joint}"].to_numpy() for joint in joints] for kind in kinds}
+    values = {kind: np.column_stack(columns) for kind, columns in of_joints.items()}
     time = table["time"].to_numpy()
     models = []
     for k, names in enumerate(effects):
         model = []
         for logged in dataset.recordings:
-            rows = recording == logged.name
-            measured, position, velocity, acceleration, moving = (values[kind][rows] for kind in MEASURED)
+            rows, about = recording == logged.name, (logged.name, logged.use, logged.payload)
+            measured = {kind: values[kind][rows] for kind in MEASURED}
             by_effect = {name: values[f"effect.{k}.{name}"][rows] for name in names}
             modelled = values[f"modelled.{k}"][rows]
             model.append(
-                CurrentSeries(
-                    logged.name,
-                    logged.use,
-                    logged.payload,
-                    time[rows],
-                    measured,
-                    modelled,
-                    position,
-                    velocity,
-                    acceleration,
-                    moving,
-                    by_effect,
-                )
+                CurrentSeries(*about, time[rows], modelled=modelled, by_effect=by_effect, **measured)
             )
         models.append(tuple(model))
     return tuple(models)
-
-
-def _check_same(models: Sequence[Sequence[CurrentSeries]]) -> None:
-    for model in models[1:]:
-        for trace, other in zip(models[0], model, strict=True):
-            same = all(np.array_equal(getattr(trace, kind), getattr(other, kind)) for kind in MEASURED)
-            if trace.name != other.name or not same:
-                raise ValueError(f"{other.name}: measured in other rows than {trace.name}")

@@ -15,6 +15,7 @@ from bench.page.parts import (
     Cell,
     Commands,
     Items,
+    Kind,
     Page,
     PageColumn,
     PageRow,
@@ -22,6 +23,7 @@ from bench.page.parts import (
     Part,
     Section,
     Tile,
+    page_table,
     row,
     sentences_section,
 )
@@ -83,6 +85,7 @@ def read_sweep(folder: Path) -> SweepResult:
 def sweep_page(result: SweepResult, again: Sequence[str]) -> Page:
     """The page of a sweep. again: the commands that reproduce it."""
     sweep = result.plan.sweep
+    runs = runs_part(result.plan, result.table, result.folder, result.metrics)
     return Page(
         title=_title(result),
         facts=(
@@ -94,7 +97,7 @@ def sweep_page(result: SweepResult, again: Sequence[str]) -> Page:
         tiles=_tiles(result),
         sections=(
             _plots_section(result),
-            _each_section(result),
+            Section("each", "Run by run", "", (runs,), "Runs"),
             _numbers_section(result),
             _runs_section(result),
             _failures_section(result),
@@ -116,12 +119,9 @@ def _title(result: SweepResult) -> str:
 def _verdict(result: SweepResult) -> tuple[str, ...]:
     """Up to three sentences: how many runs gave a result, the first metric over all runs, and its extremes."""
     all_runs = result.overall
-    ended = all_runs.runs - all_runs.failed
-    about = result.plan.sweep.table.description.rstrip(".")
-    said = [
-        f"{about or result.name}: {plural(all_runs.runs, 'run')}, "
-        + ("all came to an answer." if not all_runs.failed else f"{ended} came to an answer.")
-    ]
+    ended = str(all_runs.runs - all_runs.failed) if all_runs.failed else "all"
+    about = result.plan.sweep.table.description.rstrip(".") or result.name
+    said = [f"{about}: {plural(all_runs.runs, 'run')}, {ended} came to an answer."]
     metrics = [metric for metric in result.metrics if all_runs.spreads[metric].count]
     if not metrics:
         return (*said, "None of the metrics asked for was recorded.")
@@ -144,10 +144,10 @@ def _over_all(metric: str, spread: Spread) -> str:
     what = what_is_measured(metric)
     low, high = value_text(metric, spread.low), value_text(metric, spread.high)
     middle = value_text(metric, spread.middle)
-    if spread.count == 1 and not is_share(metric):
-        return f"{begun(what)}: {middle}."
     if is_share(metric):
         return f"{begun(what)}: {middle}, 95 % interval {low} to {high}."
+    if spread.count == 1:
+        return f"{begun(what)}: {middle}."
     return f"{begun(what)}: {middle} in the median; nine runs in ten lie between {low} and {high}."
 
 
@@ -189,20 +189,16 @@ def _plots_section(result: SweepResult) -> Section:
     return Section("plots", "Metrics against what was varied", lead, shown, "Metrics")
 
 
-def _each_section(result: SweepResult) -> Section:
-    part = runs_part(result.plan, result.table, result.folder, result.metrics)
-    return Section("each", "Run by run", "", (part,), "Runs")
-
-
 def _numbers_section(result: SweepResult) -> Section:
     summary = result.summary
-    columns = [PageColumn(axis_title(axis), "keep") for axis in summary.axes]
     failed = any(line.failed for line in summary.lines)
-    columns += [PageColumn("runs", "right"), *([PageColumn("failed", "right")] if failed else [])]
-    columns += [
-        PageColumn(begun(metric_title(metric)) if is_relative(metric) else metric_axis(metric).title, "right")
+    numbers = ["runs", *(["failed"] if failed else [])]
+    numbers += [
+        begun(metric_title(metric)) if is_relative(metric) else metric_axis(metric).title
         for metric in summary.metrics
     ]
+    columns = [PageColumn(axis_title(axis), "keep") for axis in summary.axes]
+    columns += [PageColumn(header, "right") for header in numbers]
     rows = tuple(_line(summary, line, failed=failed) for line in summary.lines[:MOST_LINES])
     aid = explanation(summary)
     if len(summary.lines) > MOST_LINES:
@@ -229,11 +225,8 @@ def _spread_text(metric: str, spread: Spread) -> str:
 
 
 def _runs_section(result: SweepResult) -> Section:
-    numbers = [
-        metric
-        for metric in result.metrics
-        if not is_share(metric) and result.overall.spreads[metric].count > 1
-    ]
+    spreads = result.overall.spreads
+    numbers = [metric for metric in result.metrics if not is_share(metric) and spreads[metric].count > 1]
     lead = "How the metrics spread over all runs, whatever was varied."
     if not numbers:
         return sentences_section("spread", "All runs together", ["One run only."], short="All runs")
@@ -245,10 +238,10 @@ def _failures_section(result: SweepResult) -> Section:
     if not result.overall.failed:
         return sentences_section("failures", "Runs that failed", ["None."], short="Failures")
     reasons = list(failed_runs(result.table).items())[:MOST_REASONS]
-    rows = tuple(row(str(len(runs)), str(runs[0]), reason) for reason, runs in reasons)
+    rows = [(str(len(runs)), str(runs[0]), reason) for reason, runs in reasons]
     aid = "The most frequent first; the column reason of runs.parquet has every one."
-    heads = (PageColumn("runs", "right"), PageColumn("first", "right"), PageColumn("reason", "words"))
-    return Section("failures", "Runs that failed", "", (PageTable("Reasons", aid, heads, rows),), "Failures")
+    table = page_table("Reasons", aid, {"runs": "right", "first": "right", "reason": "words"}, rows)
+    return Section("failures", "Runs that failed", "", (table,), "Failures")
 
 
 def _plan_section(result: SweepResult) -> Section:
@@ -257,16 +250,14 @@ def _plan_section(result: SweepResult) -> Section:
     for axis in sweep.axes:
         if isinstance(axis, DrawnAxis):
             drawn = ", ".join(f"{k} {point_label(v)}" for k, v in axis.draw.model_dump(by_alias=True).items())
-            rows.append(row(axis_title(axis.name), "drawn for each seed", drawn))
+            rows.append((axis_title(axis.name), "drawn for each seed", drawn))
             continue
         values = [point_label(point.label) for point in axis.points]
         more = f" … {values[-1]}" if len(values) > MOST_VALUES else ""
-        rows.append(row(axis_title(axis.name), str(len(values)), ", ".join(values[:MOST_VALUES]) + more))
+        rows.append((axis_title(axis.name), str(len(values)), ", ".join(values[:MOST_VALUES]) + more))
     seeds = list(sweep.seeds)
-    rows.append(
-        row("seed", str(len(seeds)), f"{seeds[0]} to {seeds[-1]}" if len(seeds) > 1 else str(seeds[0]))
-    )
-    heads = (PageColumn("axis", "keep"), PageColumn("values", "keep"), PageColumn("which", "words"))
+    which = f"{seeds[0]} to {seeds[-1]}" if len(seeds) > 1 else str(seeds[0])
+    rows.append(("seed", str(len(seeds)), which))
     aid = "Every combination was run with every seed. A seed gives the noise and whatever else is drawn."
     identify = sweep.table.identify
     settings = [
@@ -280,14 +271,10 @@ def _plan_section(result: SweepResult) -> Section:
         ("recorded", ", ".join(sweep.table.record)),
         *((f"changed: {key}", json.dumps(value)) for key, value in sweep.table.scenario.items()),
     ]
+    shared: dict[str, Kind] = {"setting": "keep", "value": "words"}
     parts = (
-        PageTable("What was varied", aid, heads, tuple(rows)),
-        PageTable(
-            "What all runs share",
-            "Unless an axis says otherwise.",
-            (PageColumn("setting", "keep"), PageColumn("value", "words")),
-            tuple(row(*setting) for setting in settings),
-        ),
+        page_table("What was varied", aid, {"axis": "keep", "values": "keep", "which": "words"}, rows),
+        page_table("What all runs share", "Unless an axis says otherwise.", shared, settings),
     )
     return Section("plan", "The plan", "", parts)
 

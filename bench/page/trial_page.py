@@ -9,24 +9,24 @@ from typing import Any
 
 from bench.basics.errors import BenchError
 from bench.basics.plural import plural
-from bench.basics.sentence import and_list
+from bench.basics.sentence import and_list, capital
 from bench.basics.shell_word import quoted
 from bench.document.typeset import typeset
 from bench.page.chart_spec import chart_figure
 from bench.page.parts import (
     Cell,
     Commands,
+    Kind,
     Page,
-    PageColumn,
-    PageTable,
     Part,
     Section,
     Tile,
     on_page,
+    page_table,
     row,
     sentences_section,
 )
-from bench.page.section_run import versions_of
+from bench.page.section_run import CommandRun, versions_of
 from bench.studies.sweep.journal import Row
 from bench.studies.sweep.table import column_names, read_table
 from bench.studies.trial.cases import DATASETS_A_SEED, KINDS
@@ -127,16 +127,15 @@ def again_line(result: TrialResult, times: int = 1) -> str:
     )
     kept = _saved_settings(result, kinds)
     given = kept.get("given", {})
-    words = ["bench trial", quoted(given.get("robot", result.robot))]
-    if "scenario" in given:
-        words += ["--scenario", quoted(given["scenario"])]
-    if "duration" in given:
-        words += ["--duration", f"{given['duration']:g}"]
-    if len(kinds) < len(KINDS):
-        words += ["--kinds", ",".join(kinds)]
-    if kept.get("effects"):
-        words += ["--effects", ",".join(kept["effects"])]
-    return " ".join([*words, "--seeds", str(times * seeds), "-o", quoted(result.table.parent)])
+    options = {
+        "scenario": given.get("scenario"),
+        "duration": f"{given['duration']:g}" if "duration" in given else None,
+        "kinds": ",".join(kinds) if len(kinds) < len(KINDS) else None,
+        "effects": ",".join(kept.get("effects", [])) or None,
+        "seeds": times * seeds,
+    }
+    robot = given.get("robot", result.robot)
+    return CommandRun("trial", robot, options=options, output=str(result.table.parent)).line()
 
 
 def _saved_settings(result: TrialResult, kinds: Sequence[str]) -> dict[str, Any]:
@@ -157,20 +156,17 @@ def _saved_settings(result: TrialResult, kinds: Sequence[str]) -> dict[str, Any]
 
 def _verdict(summary: TrialSummary) -> tuple[str, ...]:
     """Three sentences: correct answers, false alarms, and which limits are kept."""
-    by_figure = {target.figure: target for target in summary.targets}
-    phrases = [
-        (by_figure[TargetFigure.ONE_FIRST], "a single hidden effect is named first in"),
-        (by_figure[TargetFigure.TWO_EXACT], "two are found exactly in"),
-        (by_figure[TargetFigure.THREE_EXACT], "three in"),
-    ]
+    shares = {target.figure: target.share for target in summary.targets}
+    phrases = {
+        TargetFigure.ONE_FIRST: "a single hidden effect is named first in",
+        TargetFigure.TWO_EXACT: "two are found exactly in",
+        TargetFigure.THREE_EXACT: "three in",
+    }
     parts = [
-        f"{words} {_of(target.share)}"
-        for target, words in phrases
-        if target.share is not None and target.share.of
+        f"{words} {_of(share)}" for figure, words in phrases.items() if (share := shares[figure]) and share.of
     ]
     first = f"{and_list(parts)} of the cases." if parts else "No effect that counts was hidden."
-    alarms = by_figure[TargetFigure.ALARM].share
-    outside = by_figure[TargetFigure.OUTSIDE_HONEST].share
+    alarms, outside = shares[TargetFigure.ALARM], shares[TargetFigure.OUTSIDE_HONEST]
     said = []
     if alarms is not None and alarms.of:
         said.append(f"with nothing hidden, {alarms.count} of {plural(alarms.of, 'dataset')} raised an alarm")
@@ -180,25 +176,19 @@ def _verdict(summary: TrialSummary) -> tuple[str, ...]:
             f"{_of(outside)}"
         )
     second = f"{'; '.join(said)}." if said else "False alarms were not tried."
-    limited = [
-        target
-        for target in summary.targets
-        if target.reached is not None and (target.least, target.most) != (None, None)
-    ]
+    reached = [target for target in summary.targets if target.reached is not None]
+    limited = [target for target in reached if (target.least, target.most) != (None, None)]
     kept = sum(target.kept is Attained.YES for target in limited)
-    if not limited:
-        third = "No case counts, so nothing is said: longer recordings or more seeds help."
-        return tuple(typeset(name[:1].upper() + name[1:]) for name in (first, second, third))
     third = f"Of {plural(len(limited), 'figure')} with a limit, {kept} surely keep it"
     for answer, words in NOT_KEPT.items():
         names = [target.figure.words for target in limited if target.kept is answer]
         third += f"; {words}: {and_list(names)}" if names else ""
-    third += "."
-    return tuple(typeset(name[:1].upper() + name[1:]) for name in (first, second, third))
+    if not limited:
+        third = "No case counts, so nothing is said: longer recordings or more seeds help"
+    return tuple(typeset(capital(name)) for name in (first, second, f"{third}."))
 
 
-def _of(share: Share | None) -> str:
-    assert share is not None
+def _of(share: Share) -> str:
     return f"{percent(share)} ({share.count} of {share.of})"
 
 
@@ -219,14 +209,8 @@ def _tiles(summary: TrialSummary) -> tuple[Tile, ...]:
 
 
 def _targets_section(summary: TrialSummary) -> Section:
-    columns = (
-        PageColumn("figure", "words"),
-        PageColumn("reached", "right"),
-        PageColumn("must be", "keep"),
-        PageColumn(""),
-        PageColumn("cases", "right"),
-        PageColumn("95 % interval", "keep"),
-    )
+    heads: dict[str, Kind] = {"figure": "words", "reached": "right", "must be": "keep"}
+    heads |= {"": "", "cases": "right", "95 % interval": "keep"}
     rows = []
     for target in summary.targets:
         if target.reached is None:
@@ -236,7 +220,7 @@ def _targets_section(summary: TrialSummary) -> Section:
         first = typeset(name.replace("`", ""))
         texts = (typeset(cell) for cell in (reached, bound))
         rows.append(row(first, *texts, kept, cases, typeset(interval), kind="" if bound else "weak"))
-    parts = (PageTable("Figures and what they must reach", COUNTED, columns, tuple(rows)),)
+    parts = (page_table("Figures and what they must reach", COUNTED, heads, rows),)
     lead = "A wide interval means too few cases: more seeds add to what is there."
     return Section("reached", "What was reached", lead, parts)
 
@@ -333,7 +317,7 @@ def _again_section(result: TrialResult, again: Sequence[str]) -> Section:
         if name == "commit" or name.startswith("version.")
     }
     counts = Counter(row["kind"] for row in result.rows)
-    heads = (PageColumn("kind", "keep"), PageColumn("datasets", "right"), PageColumn("hidden", "words"))
+    heads: dict[str, Kind] = {"kind": "keep", "datasets": "right", "hidden": "words"}
     hidden = {
         "nothing": "nothing",
         "one": "one effect of the catalogue",
@@ -341,13 +325,11 @@ def _again_section(result: TrialResult, again: Sequence[str]) -> Section:
         "three": "three effects",
         "outside": "an effect that is not in the catalogue",
     }
-    rows = tuple(row(kind, str(counts[kind]), hidden[kind]) for kind in KINDS if counts[kind])
-    aid = "More seeds add to what is there."
+    rows = [(kind, str(counts[kind]), hidden[kind]) for kind in KINDS if counts[kind]]
+    aid = "Drawn from seeds; each was diagnosed without access to the truth."
     parts: tuple[Part, ...] = (
-        PageTable(
-            "Datasets", "Drawn from seeds; each was diagnosed without access to the truth.", heads, rows
-        ),
+        page_table("Datasets", aid, heads, rows),
         versions_of(columns),
-        Commands("Run it again", aid, tuple(again)),
+        Commands("Run it again", "More seeds add to what is there.", tuple(again)),
     )
     return Section("run", "Datasets, versions, and how to run it again", "", parts, "Versions")

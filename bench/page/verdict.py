@@ -22,18 +22,17 @@ MOST_GAINS = 7  # listed in a sentence
 
 
 def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """Sentences on a diagnosis: what is missing, what was not examined, each discovered law, the gains, usual effects,
-    and the remaining error.
-    """
+    """What is missing, what was not examined, each law, the gains, usual effects, and the remaining error."""
     said = summary_of(diagnosis)
     doubt = runaway(diagnosis.after)
     middle = sentence(doubt) if doubt else said.nominal or said.moved or gains_sentence(diagnosis.after)
     middle = middle.rstrip(".")
     doubtful = [
         f"instead of {effect_name(verdict.effect)} it could as well be "
-        f"{or_list(list(map(effect_name, verdict.alternatives)))}{_qualified(less_probable(verdict))}"
+        f"{or_list(list(map(effect_name, verdict.alternatives)))}{f', which is {less}' if less else ''}"
         for verdict in named_effects(diagnosis)
         if verdict.alternatives
+        for less in [less_probable(verdict)]
     ]
     if not doubt and not said.nominal and said.moved and 1 < len(diagnosis.after.drive_gains) <= MOST_GAINS:
         others = diagnosis.after.drive_gains.keys() - {moved_gain(diagnosis)}
@@ -46,22 +45,18 @@ def diagnosis_verdict(diagnosis: Diagnosis) -> tuple[str, ...]:
     return tuple(typeset(name) for name in sentences if name)
 
 
-def _qualified(less: str) -> str:
-    return f", which is {less}" if less else ""
-
-
 def identification_verdict(result: Identification, where: WhereItFails, noise: float) -> tuple[str, ...]:
     """Three sentences on an identified model."""
     doubt = runaway(result)
     gains = gains_sentence(result) if doubt is None else typeset(note(doubt))
     level = _level(result.error, noise, "The model")
-    return (*level, gains, _failing(where)) if doubt is None else (gains, *level, _failing(where))
+    return (level, gains, _failing(where)) if doubt is None else (gains, level, _failing(where))
 
 
 def comparison_verdict(error: ErrorSummary, model: str, where: WhereItFails, noise: float) -> tuple[str, ...]:
     """Three sentences on a saved model applied to other recordings."""
     return (
-        *_level(error, noise, "Applied as it is, the saved model"),
+        _level(error, noise, "Applied as it is, the saved model"),
         f"Nothing was fitted here: the model comes from {model}.",
         _failing(where),
     )
@@ -132,12 +127,9 @@ def identification_tiles(result: Identification, noise: float) -> tuple[Tile, ..
     validation = result.error.validate
     fitted = share(result.error.identify)
     note = f"fitted {fitted}" if validation is not None else "no recording kept for validation"
+    use = "not fitted" if validation is not None else "fitted"
     return (
-        Tile(
-            "Error, not fitted" if validation is not None else "Error, fitted",
-            share(result.error.reported),
-            note,
-        ),
+        Tile(f"Error, {use}", share(result.error.reported), note),
         _noise_tile(noise),
         _gain_tile(result),
         Tile("Condition number", short(result.scaled_condition, 3), "columns of unit length"),
@@ -148,26 +140,27 @@ def comparison_tiles(error: ErrorSummary, where: WhereItFails, noise: float) -> 
     """The key numbers of a comparison."""
     values = [value for value in (error.identify, error.validate) if value is not None]
     use = "that were not fitted" if values and max(values) == error.validate else "for identification"
-    worst = max(where.motors, key=lambda motor: motor.error, default=None)
-    tiles = [
-        Tile("Error", share(max(values) if values else None), f"of the current, on recordings {use}"),
+    return (
+        Tile("Error", share(max(values, default=None)), f"of the current, on recordings {use}"),
         _noise_tile(noise),
-    ]
-    if worst is not None:
-        tiles.append(Tile("Worst motor", worst.joint, f"error {share(worst.error)}, all recordings"))
-    return tuple(tiles)
+        *_worst_tile(where, ", all recordings"),
+    )
 
 
 def replay_tiles(result: Replay, where: WhereItFails, noise: float) -> tuple[Tile, ...]:
     """The key numbers of a replay."""
     twins, models = (relative_error(comparison.recordings) for comparison in (result.twin, result.model))
-    worst = max(where.motors, key=lambda motor: motor.error, default=None)
     return (
         Tile("Error of the twin", share(twins), "of the current, all recordings"),
         Tile("Error of the model", share(models), "from which the twin was exported"),
         _noise_tile(noise),
-        *([Tile("Worst motor", worst.joint, f"error {share(worst.error)}")] if worst is not None else []),
+        *_worst_tile(where, ""),
     )
+
+
+def _worst_tile(where: WhereItFails, of: str) -> list[Tile]:
+    worst = sorted(where.motors, key=lambda motor: -motor.error)[:1]
+    return [Tile("Worst motor", motor.joint, f"error {share(motor.error)}{of}") for motor in worst]
 
 
 def _noise_tile(noise: float) -> Tile:
@@ -183,20 +176,15 @@ def _gain_tile(result: Identification) -> Tile:
     if open_:
         return Tile("Drive gains", "not determined", ", ".join(open_))
     joint = max(gains, key=lambda name: abs(gain_change(gains[name])))
-    return Tile(
-        "Largest gain change", share(gain_change(gains[joint]), signed=True), f"{joint}, from nominal"
-    )
+    change = share(gain_change(gains[joint]), signed=True)
+    return Tile("Largest gain change", change, f"{joint}, from nominal")
 
 
-def _level(error: ErrorSummary, noise: float, subject: str) -> tuple[str]:
-    fitted, validation = error.identify, error.validate
-    parts = []
-    if validation is not None:
-        parts.append(f"{share(validation)} on recordings that were not fitted")
-    if fitted is not None:
-        parts.append(f"{share(fitted)} on fitted recordings")
+def _level(error: ErrorSummary, noise: float, subject: str) -> str:
+    uses = ((error.validate, "recordings that were not fitted"), (error.identify, "fitted recordings"))
+    parts = [f"{share(value)} on {words}" for value, words in uses if value is not None]
     size = " and ".join(parts) or "no error: no recording"
-    return (f"{subject} is off by {size}, in percent of the current, where noise leaves {share(noise)}.",)
+    return f"{subject} is off by {size}, in percent of the current, where noise leaves {share(noise)}."
 
 
 def _failing(where: WhereItFails) -> str:
@@ -205,10 +193,6 @@ def _failing(where: WhereItFails) -> str:
         return "At no motor is more left than the noise of its current: there is nothing to find."
     worst = max(loud, key=lambda motor: motor.error / motor.noise if motor.noise else motor.error)
     times = f", {short(worst.error / worst.noise, 3)} times its noise" if worst.noise > 0 else ""
-    more = (
-        f"More than noise remains at {and_list([motor_words(motor.joint) for motor in loud])}, most at {worst.joint} "
-        f"({share(worst.error)}{times})"
-        if len(loud) > 1
-        else f"More than noise remains at {motor_words(worst.joint)} ({share(worst.error)}{times})"
-    )
-    return f"{more}; bench diagnose tells which physical effect that may be."
+    most = f", most at {worst.joint}" if len(loud) > 1 else ""
+    more = f"More than noise remains at {and_list([motor_words(motor.joint) for motor in loud])}{most}"
+    return f"{more} ({share(worst.error)}{times}); bench diagnose tells which physical effect that may be."

@@ -9,12 +9,10 @@ from bench.basics.shell_word import quoted
 from bench.dataset.dataset import Dataset
 from bench.diagnosis.result import Diagnosis
 from bench.effects.select import TAG
-from bench.export.replay.replay import Replay
 from bench.identification.model_file import Comparison, model_json
-from bench.identification.problem import Problem
 from bench.identification.result import Identification
 from bench.page.folder import SavedRun, save_run, save_workbench
-from bench.page.pages import comparison_page, diagnosis_page, identification_page, replay_page
+from bench.page.pages import comparison_page, diagnosis_page, identification_page
 from bench.page.parts import Page
 from bench.page.render import Workbench, render_page
 from bench.page.section_run import CommandRun, Made
@@ -51,13 +49,6 @@ def write_identification_report(
     return write_saved_run(folder / REPORT_FILE, kept, folder)
 
 
-def write_replay_report(
-    folder: Path, result: Replay, problem: Problem, saved: Identification, run: CommandRun
-) -> Path:
-    """Write report.html of a replay into a folder. saved: the exported model."""
-    return write_page(folder / REPORT_FILE, replay_page(result, problem, saved, Made((run.line(),))))
-
-
 def write_saved_run(
     path: Path, kept: SavedRun, folder: Path | None = None, progress: Progress = SILENT
 ) -> Path:
@@ -85,9 +76,7 @@ def write_saved_run(
 
 
 def _identify_line(kept: SavedRun) -> str:
-    """The command that identifies the diagnosed dataset with the same options, without the effects selected on the
-    page.
-    """
+    """The command that identifies the dataset with the same options, without the page's effects."""
     each = tuple(effect for effect in kept.after.effects if effect.endswith(TAG))
     options = {name: value for name, value in kept.run.options.items() if name not in ("time_limit", "rule")}
     return CommandRun("identify", kept.run.dataset, each, kept.run.effect_files, options).line()

@@ -36,6 +36,12 @@ def where_json(where: WhereItFails, *, words: bool = True) -> dict[str, Any]:
     return dict(finite(answer))
 
 
+def _fields(value: Any, *names: str) -> dict[str, Any]:
+    """These fields of a dataclass as plain data."""
+    whole = asdict(value)
+    return {name: whole[name] for name in names}
+
+
 def _motor(motor: MotorErrors, text: Callable[..., str]) -> dict[str, Any]:
     units = motor.units
     return {
@@ -48,43 +54,31 @@ def _motor(motor: MotorErrors, text: Callable[..., str]) -> dict[str, Any]:
         "alike_over": motor.autocorrelation_time,
         "concentrated": [
             {
-                "region": concentration.where.name,
-                "error_share": concentration.error_share,
-                "time_share": concentration.time_share,
-                "evidence": concentration.evidence,
-                "of_rest": concentration.of_rest,
-                "text": text(concentration_words, concentration),
+                "region": part.where.name,
+                **_fields(part, "error_share", "time_share", "evidence", "of_rest"),
+                "text": text(concentration_words, part),
             }
-            for concentration in motor.concentrations
+            for part in motor.concentrations
         ],
         "follows": [
             {
-                "variable": dependence.variable,
-                "error_share": dependence.error_share,
+                **_fields(dependence, "variable", "error_share"),
                 "low": {"mean": dependence.low, "at": dependence.low_at},
                 "high": {"mean": dependence.high, "at": dependence.high_at},
-                "of_rest": dependence.of_rest,
+                **_fields(dependence, "of_rest"),
                 "text": text(dependence_words, dependence, units),
             }
             for dependence in motor.dependences
         ],
         "repeats": [
             {
-                "over": line.over,
-                "frequency": line.frequency,
-                "resolution": line.resolution,
-                "error_share": line.error_share,
-                "amplitude": line.amplitude,
+                **_fields(line, "over", "frequency", "resolution", "error_share", "amplitude"),
                 "text": text(line_words, line, units),
             }
             for line in motor.lines
         ],
         "changes": [
-            {
-                "first": asdict(change.first),
-                "second": asdict(change.second),
-                "text": text(change_words, change, units[0]),
-            }
+            {**_fields(change, "first", "second"), "text": text(change_words, change, units[0])}
             for change in motor.changes
         ],
         "looks_like": [

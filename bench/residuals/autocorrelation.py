@@ -29,9 +29,8 @@ def autocorrelation(series: Sequence[MotorSeries]) -> Autocorrelation:
     count = sum(len(trace.time) for trace in series)
     rate = series[0].rate or 1.0
     lag = np.arange(len(values)) / rate
-    return Autocorrelation(
-        lag, values, WITHIN_95 / float(np.sqrt(max(count, 1))), integrated_autocorrelation_time(values)
-    )
+    band = WITHIN_95 / float(np.sqrt(max(count, 1)))
+    return Autocorrelation(lag, values, band, integrated_autocorrelation_time(values))
 
 
 def correlations(rows: Sequence[np.ndarray], values: Sequence[np.ndarray]) -> np.ndarray:
@@ -51,11 +50,9 @@ def correlations(rows: Sequence[np.ndarray], values: Sequence[np.ndarray]) -> np
             powers[0, lag] += filled[: length - lag] ** 2 @ there[lag:]
             powers[1, lag] += there[: length - lag] @ filled[lag:] ** 2
     scale = np.sqrt(powers[0] * powers[1])
-    return (
-        np.divide(sums, scale, out=np.zeros(lags + 1), where=scale > 0)
-        if sums[0] > 0
-        else np.eye(1, lags + 1)[0]
-    )
+    if not sums[0] > 0:
+        return np.eye(1, lags + 1)[0]
+    return np.divide(sums, scale, out=np.zeros(lags + 1), where=scale > 0)
 
 
 def integrated_autocorrelation_time(correlation: np.ndarray) -> float:
@@ -75,5 +72,5 @@ def integrated_autocorrelation_time(correlation: np.ndarray) -> float:
 
 def independent_rows(series: Sequence[MotorSeries], values: Sequence[np.ndarray]) -> float:
     """Number of independent rows, for one value per row."""
-    count = sum(len(value) for value in values)
-    return count / integrated_autocorrelation_time(correlations([trace.row for trace in series], values))
+    rows = [trace.row for trace in series]
+    return sum(map(len, values)) / integrated_autocorrelation_time(correlations(rows, values))

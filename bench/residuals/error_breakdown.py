@@ -7,13 +7,11 @@ from typing import Literal
 
 import numpy as np
 
-from bench.residuals.autocorrelation import Autocorrelation, autocorrelation
 from bench.residuals.bounds import ERROR_GRID
 from bench.residuals.motor import Compared, MotorSeries, relative_error_of, relative_noise
 from bench.residuals.opposing_motion import Opposing, by_load, over_warm_up
-from bench.residuals.periods import PositionSpectrum, Spectrum, position_spectrum, time_spectrum
 from bench.residuals.profile import Profile, Variable, binned, profile, values_of
-from bench.residuals.regions import regions, shares
+from bench.residuals.regions import OF_DATA, regions, shares
 
 Direction = Literal["forwards", "backwards"]
 
@@ -26,25 +24,6 @@ class Branch:
     bins: Profile
     x: np.ndarray
     error: np.ndarray
-
-
-@dataclass(frozen=True)
-class RecordingError:
-    """RMS of the error and of the current noise over that of the measured current, in one recording."""
-
-    recording: str
-    payload: str | None
-    error: float
-    noise: float
-
-
-@dataclass(frozen=True)
-class RegionShares:
-    """The share of a part of the motion in the squared error and in time."""
-
-    region: str
-    error: float
-    time: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,25 +75,16 @@ class ErrorBreakdown:
         into = np.concatenate([trace.forwards ^ (trace.to_reversal < 0) for trace in self.series])
         near = np.abs(rows) <= ERROR_GRID.around_reversal
         edges = np.arange(-ERROR_GRID.around_reversal, ERROR_GRID.around_reversal + 1.0) / rate
+        x, error = rows / rate, self.errors
         return tuple(
-            Branch(
-                direction,
-                binned(rows[way] / rate, self.errors[way], edges),
-                rows[way] / rate,
-                self.errors[way],
-            )
+            Branch(direction, binned(x[way], error[way], edges), x[way], error[way])
             for direction, way in _ways(near & into, near & ~into)
         )
 
     @cached_property
-    def by_recording(self) -> tuple[RecordingError, ...]:
-        """Each recording separately."""
-        return tuple(
-            RecordingError(
-                trace.recording, trace.payload, relative_error_of([trace]) or 0.0, relative_noise([trace])
-            )
-            for trace in self.series
-        )
+    def by_recording(self) -> tuple[tuple[float, float], ...]:
+        """Of each of `series`, RMS of the error and of the current noise over that of the measured current."""
+        return tuple((relative_error_of([trace]) or 0.0, relative_noise([trace])) for trace in self.series)
 
     @cached_property
     def opposing(self) -> tuple[tuple[str, Opposing], ...]:
@@ -126,31 +96,12 @@ class ErrorBreakdown:
         )
 
     @cached_property
-    def shares(self) -> tuple[RegionShares, ...]:
-        """Shares of the squared error, by parts of the motion."""
-        candidates = [
-            region for region in regions(self.series, self.unit, self.current) if region.where.of_motion
-        ]
-        return tuple(RegionShares(region.where.name, *shares(self.series, region)) for region in candidates)
-
-    @cached_property
-    def spectrum(self) -> Spectrum:
-        """Over time."""
-        return time_spectrum(self.series)
-
-    @cached_property
-    def over_position(self) -> PositionSpectrum:
-        """Over position."""
-        return position_spectrum(self.series)
-
-    @cached_property
-    def autocorrelation(self) -> Autocorrelation:
-        """Of errors, with the band of chance."""
-        return autocorrelation(self.series)
-
-    def noise_alone(self, x: np.ndarray) -> np.ndarray:
-        """The density of errors that are current noise only, per drive unit."""
-        return np.asarray(np.exp(-0.5 * (x / self.noise) ** 2) / (self.noise * np.sqrt(2.0 * np.pi)))
+    def shares(self) -> Mapping[str, tuple[float, float]]:
+        """By part of the motion, its shares in the squared error and in time."""
+        parts = regions(self.series, self.unit, self.current)
+        return {
+            part.where.name: shares(self.series, part) for part in parts if part.where.part not in OF_DATA
+        }
 
 
 def error_breakdown(what: Compared, joint: str) -> ErrorBreakdown:

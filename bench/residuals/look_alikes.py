@@ -66,11 +66,8 @@ def look_alikes(
     possible: effects that have a place in the robot. has: those of the model, as EFFECT or EFFECT:PLACE. An effect is
     named for its first matching look.
     """
-    there = {
-        name
-        for name, _, place in (name.partition("@")[0].partition(":") for name in has)
-        if place in ("", joint)
-    }
+    placed = [name.partition("@")[0].partition(":") for name in has]
+    there = {name for name, _, place in placed if place in ("", joint)}
     absent = [effect for name, effect in possible.items() if name not in there]
     named: set[str] = set()
     answer = []

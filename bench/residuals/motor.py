@@ -76,18 +76,14 @@ class Compared:
 
     def of(self, joint: str) -> tuple[MotorSeries, ...]:
         """The recordings of one motor, without those in which it hardly moves."""
-        return tuple(
-            trace for trace in self.series if trace.joint == joint and len(trace.time) >= ERROR_GRID.rows
-        )
+        enough = (trace for trace in self.series if len(trace.time) >= ERROR_GRID.rows)
+        return tuple(trace for trace in enough if trace.joint == joint)
 
 
 def compared(
     robot: Robot, recordings: Sequence[Recording], series: Sequence[CurrentSeries], settings: FilterSettings
 ) -> Compared:
-    """Split measured and modelled currents by motor.
-
-    recordings: as logged, for their noise; settings: the filters that the series went through.
-    """
+    """Split currents by motor. recordings: as logged, for their noise; settings: filters that the series passed."""
     logged = {recording.name: recording for recording in recordings}
     units = {}
     for actuator in robot.actuators:
@@ -144,10 +140,9 @@ def _motor(series: CurrentSeries, j: int, joint: str, noise: float, band: float)
 def _standstill(moving: np.ndarray) -> np.ndarray:
     """Rows of stretches in which the joint is at rest for longer than a reversal."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], ~moving, [False])).astype(int)))
-    stretches = [
-        np.arange(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > ERROR_GRID.swift
-    ]
-    return np.concatenate(stretches) if stretches else np.empty(0, dtype=int)
+    ends = zip(edges[::2], edges[1::2], strict=True)
+    stretches = [np.arange(a, b) for a, b in ends if b - a > ERROR_GRID.swift]
+    return np.concatenate([np.empty(0, dtype=int), *stretches])
 
 
 def _reversals(velocity: np.ndarray, moving: np.ndarray) -> np.ndarray:

@@ -75,12 +75,11 @@ def lines(series: Sequence[MotorSeries]) -> list[SpectralLine]:
     count = independent_rows(series, [trace.error for trace in series])
     spectral = []
     over_position = position_spectrum(series)
-    travel = float(np.ptp(np.concatenate([trace.position for trace in series])))
-    best = _strongest(
-        over_position.cycles, over_position.share, ERROR_GRID.cycles / max(travel, 1e-12), count, 2
-    )
+    position = np.concatenate([trace.position for trace in series])
+    travel = float(np.ptp(position))
+    least = ERROR_GRID.cycles / max(travel, 1e-12)
+    best = _strongest(over_position.cycles, over_position.share, least, count, 2)
     if best is not None:
-        position = np.concatenate([trace.position for trace in series])
         error = np.concatenate([trace.error for trace in series])
         finer = _about(over_position.cycles[best], travel)
         amplitude, share = _sinusoids(position, error, finer)
@@ -133,9 +132,8 @@ def _line(
     extent: float,
 ) -> SpectralLine:
     best = int(np.argmax(share))
-    return SpectralLine(
-        joint, over, float(frequency[best]), float(share[best]), float(amplitude[best]), 0.5 / extent
-    )
+    strongest, taken, size = (float(values[best]) for values in (frequency, share, amplitude))
+    return SpectralLine(joint, over, strongest, taken, size, 0.5 / extent)
 
 
 def _grid(extent: float, finest: float) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.basics.chi_squared import tail
 from bench.identification.tolerances import TOLERANCES
-from bench.residuals.autocorrelation import correlations, integrated_autocorrelation_time
+from bench.residuals.autocorrelation import independent_rows
 from bench.residuals.bounds import NAMING
 from bench.residuals.motor import MotorSeries
 
@@ -133,10 +133,7 @@ def _dependence(
     whole = float(errors @ errors)
     share = 1.0 - float(residual @ residual) / whole if whole else 0.0
     cuts = np.cumsum([len(trace.time) for trace in series])[:-1]
-    alike = integrated_autocorrelation_time(
-        correlations([trace.row for trace in series], np.split(residual, cuts))
-    )
-    independent = len(errors) / alike
+    independent = independent_rows(series, np.split(residual, cuts))
     ratio = -independent * float(np.log(max(1.0 - share, 1e-12)))
     # of the residual, bin means alone take a share of size / independent by chance
     unbiased = max(1.0 - (1.0 - share) / (1.0 - size / independent), 0.0) if size < independent else 0.0

@@ -34,6 +34,9 @@ class RegionKind(StrEnum):
     RECORDING = "recording"
 
 
+OF_DATA = (RegionKind.UNLOADED, RegionKind.PAYLOAD, RegionKind.RECORDING)  # rather than of the motion
+
+
 @dataclass(frozen=True)
 class RegionPlace:
     """A part of the motion by a variable, its bounds in `unit`; subject: the payload or the recording."""
@@ -47,11 +50,6 @@ class RegionPlace:
     def name(self) -> str:
         """As in "low speed" or "recording run.csv"."""
         return f"{self.part} {self.subject}" if self.subject else str(self.part)
-
-    @property
-    def of_motion(self) -> bool:
-        """Whether it is a part of the motion, rather than of all data by payload or recording."""
-        return self.part not in (RegionKind.UNLOADED, RegionKind.PAYLOAD, RegionKind.RECORDING)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +75,7 @@ def regions(series: Sequence[MotorSeries], unit: str, current: str) -> list[Regi
         Region(RegionPlace(RegionKind.BACKWARDS), tuple(~trace.forwards for trace in series)),
         *_by_position([trace.position for trace in series], unit),
         *_by_time(series),
-        *_by_load(series),
-        *_by_recording(series),
+        *_by_data(series),
     ]
     return [
         region
@@ -98,17 +95,12 @@ def _by_size(parts: tuple[RegionKind, RegionKind], sizes: Sequence[np.ndarray], 
 def _by_position(positions: Sequence[np.ndarray], unit: str) -> list[Region]:
     shares = (ERROR_GRID.fifth, 0.4, 0.6, 1.0 - ERROR_GRID.fifth)
     low, below, above, high = map(float, np.quantile(np.concatenate(positions), shares))
-    between = tuple((position > below) & (position < above) for position in positions)
+    left, right = (tuple(x < low for x in positions), tuple(x > high for x in positions))
+    between = tuple((x > below) & (x < above) for x in positions)
     return [
-        Region(
-            RegionPlace(RegionKind.LOW_POSITION, (low,), unit),
-            tuple(position < low for position in positions),
-        ),
+        Region(RegionPlace(RegionKind.LOW_POSITION, (low,), unit), left),
         Region(RegionPlace(RegionKind.MIDDLE_POSITION, (below, above), unit), between),
-        Region(
-            RegionPlace(RegionKind.HIGH_POSITION, (high,), unit),
-            tuple(position > high for position in positions),
-        ),
+        Region(RegionPlace(RegionKind.HIGH_POSITION, (high,), unit), right),
     ]
 
 
@@ -118,25 +110,18 @@ def _by_time(series: Sequence[MotorSeries]) -> list[Region]:
     return [Region(RegionPlace(RegionKind.START), first), Region(RegionPlace(RegionKind.END), last)]
 
 
-def _by_load(series: Sequence[MotorSeries]) -> list[Region]:
-    return [
-        Region(
-            RegionPlace(RegionKind.UNLOADED)
-            if load is None
-            else RegionPlace(RegionKind.PAYLOAD, subject=load),
-            tuple(np.full(len(trace.time), trace.payload == load) for trace in series),
-        )
-        for load in dict.fromkeys(trace.payload for trace in series)
+def _by_data(series: Sequence[MotorSeries]) -> list[Region]:
+    """All rows with each payload or with none, and all rows of each recording."""
+    none = RegionPlace(RegionKind.UNLOADED)
+    loads = [
+        RegionPlace(RegionKind.PAYLOAD, subject=trace.payload) if trace.payload else none for trace in series
     ]
-
-
-def _by_recording(series: Sequence[MotorSeries]) -> list[Region]:
+    logs = [RegionPlace(RegionKind.RECORDING, subject=trace.recording) for trace in series]
+    counts = [len(trace.time) for trace in series]
     return [
-        Region(
-            RegionPlace(RegionKind.RECORDING, subject=name),
-            tuple(np.full(len(trace.time), trace.recording == name) for trace in series),
-        )
-        for name in dict.fromkeys(trace.recording for trace in series)
+        Region(place, tuple(np.full(count, at == place) for count, at in zip(counts, places, strict=True)))
+        for places in (loads, logs)
+        for place in dict.fromkeys(places)
     ]
 
 
@@ -144,8 +129,7 @@ def _by_recording(series: Sequence[MotorSeries]) -> list[Region]:
 class Concentration:
     """A share of a motor's squared error in a share of its time.
 
-    evidence: nats against an evenly spread error. of_rest: whether shares are of the residual outside the regions named
-    before.
+    evidence: nats against an evenly spread error. of_rest: whether shares are of the residual outside earlier regions.
     """
 
     joint: str
@@ -166,21 +150,15 @@ def concentrations(series: Sequence[MotorSeries], candidates: Sequence[Region]) 
     named: list[Concentration] = []
     while len(named) < NAMING.regions:
         independent = _independent_squares(series, squares, remaining)
-        best = max(
-            (
-                _concentration(series[0].joint, region, squares, remaining, independent, bool(named))
-                for region in candidates
-            ),
-            key=lambda concentration: _divergence(concentration.error_share, concentration.time_share),
-            default=None,
-        )
-        if best is None:
+        tried = [(region, *_shares(squares, region.rows, remaining)) for region in candidates]
+        if not tried:
             break
-        telling = _divergence(best.error_share, best.time_share) > NAMING.region_nats
-        if not (telling and best.evidence > NAMING.regions_nats + float(np.log(len(candidates)))):
+        region, error, time = max(tried, key=lambda entry: _divergence(*entry[1:]))
+        divergence = _divergence(error, time)
+        evidence = independent * divergence
+        if divergence <= NAMING.region_nats or evidence <= NAMING.regions_nats + np.log(len(candidates)):
             break
-        named.append(best)
-        region = next(candidate for candidate in candidates if candidate.where == best.where)
+        named.append(Concentration(series[0].joint, region.where, error, time, evidence, bool(named)))
         remaining = [kept & ~rows for kept, rows in zip(remaining, region.rows, strict=True)]
     return named
 
@@ -202,19 +180,6 @@ def _shares(
     return part / whole if whole else 0.0, rows / all_rows if all_rows else 1.0
 
 
-def _concentration(
-    joint: str,
-    region: Region,
-    squares: Sequence[np.ndarray],
-    remaining: Sequence[np.ndarray],
-    independent: float,
-    of_rest: bool,
-) -> Concentration:
-    error_share, time_share = _shares(squares, region.rows, remaining)
-    evidence = independent * _divergence(error_share, time_share)
-    return Concentration(joint, region.where, error_share, time_share, evidence, of_rest)
-
-
 def _divergence(error_share: float, time_share: float) -> float:
     """Kullback-Leibler divergence, nats, of the squared error from an even spread; zero below it.
 
@@ -222,20 +187,15 @@ def _divergence(error_share: float, time_share: float) -> float:
     """
     if not 0.0 < time_share < 1.0 or error_share <= time_share:
         return 0.0
-    outside = (
-        (1.0 - error_share) * np.log((1.0 - error_share) / (1.0 - time_share)) if error_share < 1 else 0.0
-    )
+    rest = 1.0 - error_share
+    outside = rest * np.log(rest / (1.0 - time_share)) if rest > 0.0 else 0.0
     return float(error_share * np.log(error_share / time_share) + outside)
 
 
 def _independent_squares(
     series: Sequence[MotorSeries], squares: Sequence[np.ndarray], remaining: Sequence[np.ndarray]
 ) -> float:
-    """Effective number of remaining independent squares: of blocks as long as their autocorrelation time, weighted by
-    size.
-
-    Squares of normal errors have the squared correlation of the errors.
-    """
+    """Effective number of remaining squares, as of blocks as long as their (squared) autocorrelation."""
     alike = correlations([trace.row for trace in series], [trace.error for trace in series]) ** 2
     length = max(int(np.ceil(2.0 * alike.sum() - 1.0)), 1)
     kept = [square[rows] for square, rows in zip(squares, remaining, strict=True) if rows.any()]

@@ -20,8 +20,8 @@ class MotorErrors:
 
     units: of current and position, as in ("A", "rad"). error, noise: relative to the measured current, all recordings
     together; by_recording: both of each, by name. autocorrelation_time: s over which errors correlate. above_noise:
-    whether there is more than noise; else concentrations, dependences, lines and changes are empty. alike: effects that
-    leave such errors.
+    whether there is more than noise; else concentrations, dependences, lines and changes are empty. alike: effects with
+    such errors.
     """
 
     joint: str

@@ -1,6 +1,7 @@
 """Where a model fails, in sentences."""
 
 import math
+from collections.abc import Iterator
 
 from bench.basics.sentence import in_percent
 from bench.effects.display_names import spoken
@@ -150,20 +151,13 @@ def dependence_words(dependence: Dependence, units: tuple[str, str]) -> str:
         return f"{head} is a constant offset of {dependence.low:+.2g} {current}"
     head += " follows"
     if dependence.variable == "direction":
-        forwards, backwards = (
-            (dependence.high, dependence.low)
-            if dependence.high_at > dependence.low_at
-            else (dependence.low, dependence.high)
-        )
+        backwards, forwards = dependence.low, dependence.high
+        if dependence.high_at <= dependence.low_at:
+            backwards, forwards = forwards, backwards
         means = f"{backwards:+.2g} {current} backwards and {forwards:+.2g} {current} forwards"
         return f"{head} the direction of motion, on average {means}"
-    unit = {
-        "time": "s",
-        "position": position,
-        "velocity": f"{position}/s",
-        "acceleration": f"{position}/s²",
-        "current": current,
-    }[dependence.variable]
+    units_of = {"time": "s", "position": position, "velocity": f"{position}/s", "current": current}
+    unit = units_of.get(dependence.variable, f"{position}/s²")
     ends = [
         f"{mean:+.2g} {current} about {at:.2g} {unit}"
         for mean, at in ((dependence.low, dependence.low_at), (dependence.high, dependence.high_at))
@@ -197,9 +191,7 @@ def change_words(change: Change, unit: str) -> str:
 def remaining_errors(what: Compared) -> list[str]:
     """One sentence for every motor whose error is far above the noise of its current."""
     lines = []
-    for joint in what.joints:
-        series = what.of(joint)
-        error, noise = relative_error_of(series) or 0.0, relative_noise(series)
+    for joint, error, noise in _errors(what):
         if error > NAMING.unasked * noise > 0.0:
             times = f"{error / noise:.3g} times the noise of the current ({100.0 * noise:.3g} %)"
             lines.append(f"{motor_words(joint)}: error {100.0 * error:.3g} %, {times}")
@@ -212,7 +204,11 @@ KEEP = "keeps the model"
 
 def beyond_noise(what: Compared) -> bool:
     """Whether errors remain that noise does not explain."""
-    errors = [
-        (relative_error_of(what.of(joint)) or 0.0, relative_noise(what.of(joint))) for joint in what.joints
-    ]
-    return any(error > RULE.beyond_noise * noise for error, noise in errors)
+    return any(error > RULE.beyond_noise * noise for _, error, noise in _errors(what))
+
+
+def _errors(what: Compared) -> Iterator[tuple[str, float, float]]:
+    """Every motor with its error and its noise, relative to the current."""
+    for joint in what.joints:
+        series = what.of(joint)
+        yield joint, relative_error_of(series) or 0.0, relative_noise(series)

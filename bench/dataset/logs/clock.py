@@ -36,9 +36,7 @@ def seconds_from_first(cells: Iterable[str]) -> npt.NDArray[np.float64] | None:
 
 def _day(match: re.Match[str]) -> int | None:
     """The ordinal of a day, 0 if a cell has no date; None for a date that does not exist."""
-    year, month, day = (
-        match[long] or match[short] for long, short in (("year", "y"), ("month", "m"), ("day", "d"))
-    )
+    year, month, day = match["year"] or match["y"], match["month"] or match["m"], match["day"] or match["d"]
     if year is None:
         return 0
     try:

@@ -16,7 +16,6 @@ from bench.dataset.logs.guess import guesses
 from bench.dataset.logs.log_file import LogFile, Reading, read_log, text_log
 from bench.dataset.logs.units import (
     UNITS,
-    Unit,
     factor_of,
     measured_by,
     stated_units,
@@ -26,6 +25,7 @@ from bench.dataset.logs.units import (
 )
 from bench.dataset.names import TEXTS
 from bench.dataset.recording import velocity_column
+from bench.dataset.recording_faults import listed
 from bench.dataset.robot import Robot
 
 Array = npt.NDArray[np.float64]
@@ -54,8 +54,7 @@ class LogMap:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """A recording's columns (N,) in SI, `time` first; sources: their names in the log; notes: on time and units, in
-    words.
+    """A recording's columns (N,) in SI, `time` first; sources: their names in the log; notes: on time and units.
 
     faults: a line for each column that is not numeric, which is not among the values. stated: units that the log
     states, for the columns converted to SI because of them.
@@ -98,13 +97,12 @@ def columns_of(file: Path, log: LogFile, robot: Robot, log_map: LogMap) -> Colum
         first = next(column for column in values if column.startswith("position."))
         values = {"time": np.arange(values[first].size) / log_map.rate} | values
     count = values["time"].size
-    refuse(
-        [
-            f"{file}: {sources[column]!r} for {column} has {plural(samples.size, 'sample')}, time has {count}"
-            for column, samples in values.items()
-            if samples.size != count
-        ]
-    )
+    wrong = [
+        f"{sources[column]!r} for {column} has {plural(samples.size, 'sample')}"
+        for column, samples in values.items()
+        if samples.size != count
+    ]
+    refuse([f"{file}: {said}, time has {count}" for said in wrong])
     ordered = {name: values[name] for name in sorted(values, key=lambda name: name != "time")}
     turned = {column: unit for column, (factor, unit) in stated.items() if factor != 1.0}
     notes = (*_unit_notes(turned), *_name_notes(sources, factors, robot))
@@ -127,8 +125,7 @@ def _name_notes(sources: Mapping[str, str], factors: Mapping[str, float], robot:
         if column in factors or measured_by(column, robot) is None:
             continue
         units = units_of(column, robot)
-        unit = unit_in(source, units)
-        if unit and UNITS[unit].factor != 1.0:
+        if (unit := unit_in(source, units)) not in ("", units[0]):
             notes.append(
                 f"{source} for {column}: assumed to be in {units[0]}; if it is in {unit}, add --scale {column}={unit}"
             )
@@ -145,7 +142,7 @@ def _given_factors(file: Path, scale: Mapping[str, float | str], robot: Robot) -
         factor = float(given) if unit is None else unit.factor
         columns = [f"{target}.{joint}" for joint in robot.driven] if target in SCALED else [target]
         if unit is not None:
-            columns = [column for column in columns if _fits(unit, column, robot)]
+            columns = [column for column in columns if measured_by(column, robot) in (None, unit.of)]
             if not columns:
                 raise BenchError(f"{file}: the scale of {target}: {given!r} is a {unit.of}")
         if not np.isfinite(factor) or factor == 0.0:
@@ -154,18 +151,13 @@ def _given_factors(file: Path, scale: Mapping[str, float | str], robot: Robot) -
     return factors
 
 
-def _fits(unit: Unit, column: str, robot: Robot) -> bool:
-    return measured_by(column, robot) in (None, unit.of)
-
-
 def _stated_factors(
     file: Path, log: LogFile, robot: Robot, sources: Mapping[str, str], given: Mapping[str, float]
 ) -> dict[str, tuple[float, str]]:
     """Factor and unit by column, for units that the log states and no scale overrides."""
     factors: dict[str, tuple[float, str]] = {}
     for column, source in sources.items():
-        if source in log.units and column not in given:
-            unit = log.units[source]
+        if (unit := log.units.get(source)) is not None and column not in given:
             factor = factor_of(f"{file}: {source!r}", unit, column, robot)
             if factor is not None:
                 factors[column] = factor, unit
@@ -200,8 +192,7 @@ def _sources(
     absent = [(target, source) for target, source in sources.items() if source not in there]
     if absent:
         named = ", ".join(f"{source!r} for {target}" for target, source in absent)
-        taken = [source for source in sources.values() if source in there]
-        free = [name for name in there if name not in taken]
+        free = [name for name in there if name not in sources.values()]
         near = [name for _, source in absent for name in _nearest(source, free)]
         hint = (
             f": did you mean {' or '.join(map(repr, dict.fromkeys(near)))}?"
@@ -224,8 +215,7 @@ def _nearest(source: str, there: Sequence[str]) -> list[str]:
 def _misspelt(missing: Sequence[str], log_map: LogMap) -> str:
     """The hint for a mapped column whose name is a near miss of a missing one; "" if there is none."""
     for target in log_map.columns:
-        near = get_close_matches(target, missing, 1, cutoff=0.75)
-        if near:
+        if near := get_close_matches(target, missing, 1, cutoff=0.75):
             return f"; {target!r} is no column that is needed: did you mean {near[0]!r}?"
     return ""
 
@@ -260,9 +250,7 @@ def _example(target: str, sources: Mapping[str, str], there: Sequence[str], robo
 
 
 def _unit_hint(target: str, unit: str, robot: Robot) -> str:
-    """The option for a column's unit: the given one, else the first that is not SI; "" if that is SI or there is
-    none.
-    """
+    """The option for a column's unit: the given one, else the first that is not SI; "" if there is none."""
     si, *others = units_of(target, robot)
     unit = unit or next(iter(others), "")
     return f" (with --scale {target}={unit} where it is in {unit})" if unit not in ("", si) else ""
@@ -290,10 +278,9 @@ def _skipping(log: LogFile, sources: Mapping[str, str], robot: Robot) -> str:
     return "; if a preamble precedes the column names, skip it with --skip-rows N"
 
 
-def _inventory(log: LogFile, most: int = 30) -> str:
+def _inventory(log: LogFile) -> str:
     names = [f"{name} ({values.size})" for name, values in log.vectors.items()]
-    names += [f"{name} (with text)" for name in log.texts]
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+    return listed([*names, *(f"{name} (with text)" for name in log.texts)], 30)
 
 
 LARGE = 1 << 25  # bytes: of a larger text, a preview reads only pieces

@@ -28,8 +28,8 @@ PLACES, DRIVES = ("angle", "length"), ("current", "voltage", "torque", "force")
 def guesses(
     names: Sequence[str],
     robot: Robot,
-    stated: Mapping[str, str] | None = None,
-    values: Mapping[str, np.ndarray] | None = None,
+    stated: Mapping[str, str] = {},
+    values: Mapping[str, np.ndarray] = {},
 ) -> dict[str, dict[str, str]]:
     """Needed column -> {column, unit, why} for those that names or units identify; a person confirms them.
 
@@ -55,10 +55,9 @@ def guesses(
         proposed |= {f"{kind}.{joint}": (name, why) for joint, name in named.items()}
     facts = {f"position.{fact.name}": fact for fact in joint_facts(robot)}
     taken = {name for name, _ in proposed.values()}
-    rest = {name: (values or {}).get(name) for name in names if name not in taken}
-    proposed |= _by_unit(
-        rest, {target: facts[target] for target in facts if target not in proposed}, robot, stated
-    )
+    rest = {name: values.get(name) for name in names if name not in taken}
+    open_ = {target: fact for target, fact in facts.items() if target not in proposed}
+    proposed |= _by_unit(rest, open_, robot, stated)
     currents = [name for name in rest if _measures(name, stated) in DRIVES]
     proposed |= _alike(currents, {target: name for target, (name, _) in proposed.items()}, robot.driven)
     taken = {name for name, _ in proposed.values()}
@@ -66,9 +65,7 @@ def guesses(
     guessed = {}
     for target, (name, why) in proposed.items():
         unit = unit_in(name, units_of(target, robot))
-        by_range = (
-            "" if unit or name in (stated or {}) else _by_range(facts.get(target), (values or {}).get(name))
-        )
+        by_range = "" if unit or name in stated else _by_range(facts.get(target), values.get(name))
         guessed[target] = {"column": name, "unit": unit or by_range, "why": "range" if by_range else why}
     return guessed
 
@@ -77,7 +74,7 @@ def _by_unit(
     free: Mapping[str, np.ndarray | None],
     open_: Mapping[str, JointFacts],
     robot: Robot,
-    stated: Mapping[str, str] | None,
+    stated: Mapping[str, str],
 ) -> dict[str, tuple[str, str]]:
     """Positions that no name identifies: the only joint that measures a length (or an angle) gets the only column
     that does, and the last joint gets the last position without a unit.
@@ -115,12 +112,12 @@ def _alike(
 
 
 def _in_order(
-    free: Sequence[str], proposed: Mapping[str, object], robot: Robot, stated: Mapping[str, str] | None
+    free: Sequence[str], proposed: Mapping[str, object], robot: Robot, stated: Mapping[str, str]
 ) -> dict[str, tuple[str, str]]:
     """Columns in their order for the joints in theirs, where exactly as many measure what these joints need.
 
-    None for joints of which one has a column, for names of which one contains a joint's, and for currents of hinges and
-    slides together.
+    None for joints of which one has a column, for names of which one contains a joint's, and for currents of both
+    hinges and slides.
     """
     chosen: dict[str, tuple[str, str]] = {}
     turns = {units_of_gain(actuator.gain_unit).rotates for actuator in robot.motors}
@@ -129,18 +126,15 @@ def _in_order(
             continue
         for measured in quantities:
             joints = [joint for joint in robot.driven if measured_by(f"{kind}.{joint}", robot) == measured]
+            of = {name: _measures(name, stated) for name in free}
             columns = [
-                name
-                for name in free
-                if _measures(name, stated) == measured
-                or (spoken & set(_words(name)) and not _measures(name, stated))
+                name for name in free if of[name] == measured or (not of[name] and spoken & {*_words(name)})
             ]
             named = any(set(_parts(joint)) <= set(_parts(name)) for joint in robot.driven for name in columns)
             assigned = any(f"{kind}.{joint}" in proposed for joint in joints)
             if len(columns) == len(joints) and not named and not assigned:
-                chosen |= {
-                    f"{kind}.{joint}": (name, "order") for joint, name in zip(joints, columns, strict=True)
-                }
+                for joint, name in zip(joints, columns, strict=True):
+                    chosen[f"{kind}.{joint}"] = name, "order"
     return chosen
 
 
@@ -165,13 +159,13 @@ def _by_range(joint: JointFacts | None, values: np.ndarray | None) -> str:
     return "" if remedy is None else IN_UNIT[remedy][1]
 
 
-def _unit(name: str, stated: Mapping[str, str] | None) -> str | None:
+def _unit(name: str, stated: Mapping[str, str]) -> str | None:
     """A column's unit, stated or in its name; None if there is none."""
     match = LAST.match(name)
-    return (stated or {}).get(name) or (name_of(match.group(2)) if match else None)
+    return stated.get(name) or (name_of(match.group(2)) if match else None)
 
 
-def _measures(name: str, stated: Mapping[str, str] | None) -> str:
+def _measures(name: str, stated: Mapping[str, str]) -> str:
     """The quantity of a column's unit; "" if it has none."""
     unit = _unit(name, stated)
     return UNITS[unit].of if unit else ""

@@ -2,10 +2,12 @@
 
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+
+import pyarrow as pa
 
 from bench.basics.errors import BenchError, lines_of, refuse
 from bench.basics.files.atomic import atomic_path, write_text_atomically
@@ -112,13 +114,12 @@ def import_logs(
     A folder without a dataset.toml becomes a dataset of `robot` (a Robot, a built-in name or a path); otherwise the
     recordings are added to its dataset. `payloads` are defined in it; a request names one of them, or one that the
     dataset already defines. Samples are written as they were logged, after the checks that are made when a dataset is
-    read. replace: recordings and payloads of the same name are replaced; a replaced file is kept next to the new one
-    until that is complete.
+    read. replace: recordings and payloads of the same name are replaced; the old file is kept until the new one is
+    complete.
 
-    Errors: BenchError, and nothing is written, for a file, robot, joint or name that does not exist (the message
-    lists those that do), vectors of different length, all faults of the recordings (one line each; a fault shared by
-    several logs is reported once, with their names), and a payload that is far heavier than the robot and not
-    accepted.
+    Errors: BenchError, and nothing is written, for a file, robot, joint or name that does not exist (the message lists
+    those that do), vectors of different length, all faults of the recordings (one line each; a fault shared by several
+    logs is reported once, with their names), and a payload far heavier than the robot that is not accepted.
     """
     folder = Path(folder)
     loaded = robot if isinstance(robot, Robot) else load_robot(robot)
@@ -146,10 +147,14 @@ def import_logs(
             f"{folder / twice}: two logs would become this recording: give one of them another name"
         )
     text = extended_toml(folder, _reference(loaded, folder), loaded, entries, payloads, replace=replace)
-    notes += [(folder / DATASET_FILE, note) for note in _payload_notes(folder, payloads, names)]
-    if replace:
-        notes += [(folder / DATASET_FILE, note) for note in _stale_pieces(folder, requests, names)]
-    progress.phase("writing the recordings", sum(part.rows for part in parts))
+    if (toml := folder / DATASET_FILE).exists():
+        spec = read_toml(toml, DatasetSpec)
+        said = [
+            *_payload_notes(spec, payloads, names),
+            *(_stale_pieces(spec, requests, names) if replace else []),
+        ]
+        notes += [(toml, note) for note in said]
+    progress.phase("writing the recordings", sum(part.columns["time"].size for part in parts))
     _write(folder, text, parts, progress)
     return Imported(tuple(entries), tuple(notes))
 
@@ -166,7 +171,7 @@ def _parts(
     parts, cuts = cut(file, columns.values, request.use, request.recording, request.cutting)
     faults = [_as_fault(file, line) for line in columns.faults]
     for part in parts:
-        table = FileTable(file, part.table, log.lines, part.first_row, columns.sources)
+        table = FileTable(file, pa.table(dict(part.columns)), log.lines, part.first_row, columns.sources)
         table_faults = faults_of(table, joints, frozenset(request.accept))
         cures = UnitCures(robot, columns, request.log_map.scale, table_faults)
         for fault in once_a_row(table_faults):
@@ -184,49 +189,37 @@ def _doubtful(payloads: Sequence[Payload], robot: Robot, requests: Sequence[LogR
     ]
 
 
-def _payload_notes(folder: Path, payloads: Sequence[Payload], names: Sequence[str]) -> list[str]:
+def _payload_notes(spec: DatasetSpec, payloads: Sequence[Payload], names: Sequence[str]) -> Iterator[str]:
     """Notes on payloads whose mass changes, with the recordings that are not replaced but carry them."""
-    if not (folder / DATASET_FILE).exists():
-        return []
-    spec, said = read_toml(folder / DATASET_FILE, DatasetSpec), []
     for payload in payloads:
         before = spec.payloads[payload.name].mass if payload.name in spec.payloads else payload.mass
         if payload.mass is None or before == payload.mass:
             continue
-        others = [
-            entry.file
-            for entry in spec.recordings
-            if entry.payload == payload.name and entry.file not in names
-        ]
+        carrying = [entry.file for entry in spec.recordings if entry.payload == payload.name]
+        others = [file for file in carrying if file not in names]
         was = "had no mass" if before is None else f"was {before:g} kg"
         also = f", in {listed(others)} as well" if others else ""
-        said.append(f"the payload {payload.name} {was} and is {payload.mass:g} kg now{also}")
-    return said
+        yield f"the payload {payload.name} {was} and is {payload.mass:g} kg now{also}"
 
 
-def _stale_pieces(folder: Path, requests: Sequence[LogRequest], names: Sequence[str]) -> list[str]:
+def _stale_pieces(spec: DatasetSpec, requests: Sequence[LogRequest], names: Sequence[str]) -> Iterator[str]:
     """Notes on recordings that are named like pieces of an imported log but are not among its new ones: an earlier
     import may have cut the log in other places. They are not deleted, since the user may have named a recording so.
     """
-    if not (folder / DATASET_FILE).exists():
-        return []
-    files, said = [entry.file for entry in read_toml(folder / DATASET_FILE, DatasetSpec).recordings], []
+    files = [entry.file for entry in spec.recordings]
     for request in requests:
         whole = Path(request.recording)
         piece = re.compile(rf"{re.escape(whole.stem)}(-\d+)?(-validate)?{re.escape(whole.suffix)}")
         stale = [file for file in files if piece.fullmatch(file) and file not in names]
         if stale:
-            said.append(
+            yield (
                 f"{listed(stale)} {'stays as it was' if len(stale) == 1 else 'stay as they were'}: delete pieces of "
                 f"{request.file.name} from an earlier import, with their [[recordings]] tables"
             )
-    return said
 
 
 def _reference(robot: Robot, folder: Path) -> str:
-    """The robot's reference in a dataset.toml in `folder`: a built-in name, else a relative path, else an absolute
-    one.
-    """
+    """The robot in a dataset.toml in `folder`: a built-in name, else a relative path, else an absolute one."""
     for name, built_in in built_in_robots().items():
         if built_in.resolve() == robot.folder.resolve():
             return name
@@ -240,9 +233,8 @@ def _reference(robot: Robot, folder: Path) -> str:
 def _write(folder: Path, text: str, parts: Sequence[Segment], progress: Progress) -> None:
     """Write all files, or none if an error occurs.
 
-    Every recording is complete under a temporary name before any replaced file is moved aside. If the command is
-    killed in between, the dataset is unchanged, or it names a missing file while both the old and the new recording
-    are next to it.
+    Every recording is complete under a temporary name before any replaced file is moved aside. If the command is killed
+    in between, the dataset is unchanged, or it names a missing file that has its old and new recording next to it.
     """
     paths = [folder / part.name for part in parts]
     aside: dict[Path, Path] = {}
@@ -250,10 +242,8 @@ def _write(folder: Path, text: str, parts: Sequence[Segment], progress: Progress
     try:
         folder.mkdir(parents=True, exist_ok=True)
         toml = folder / DATASET_FILE
-        old, fresh = (
-            toml.read_bytes() if toml.exists() else None,
-            [path for path in paths if not path.exists()],
-        )
+        old = toml.read_bytes() if toml.exists() else None
+        fresh = [path for path in paths if not path.exists()]
         try:
             with ExitStack() as stack:
                 for path, part in zip(paths, parts, strict=True):

@@ -7,8 +7,9 @@ bags: see ros_bag.
 
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -65,9 +66,7 @@ class LogFile:
 
 @dataclass(frozen=True)
 class Reading:
-    """How to read a log. skip_rows: number of lines to skip at the top of a text; header: False if no line of the
-    text names the columns; topic: of a ROS bag.
-    """
+    """skip_rows: lines to skip at the top of a text; header: False if no line names columns; topic: of a ROS bag."""
 
     skip_rows: int = 0
     header: bool | None = None
@@ -83,7 +82,8 @@ def read_log(path: str | Path, reading: Reading = AS_FOUND) -> LogFile:
     Errors: BenchError in one line when the file is missing, broken, of an unknown kind or without numbers.
     """
     path = Path(path)
-    readers = {".mat": _read_mat, ".npz": _read_npz, ".parquet": _read_parquet}
+    readers: dict[str, Callable[[Path], LogFile]] = {".mat": _read_mat, ".npz": _read_npz}
+    readers[".parquet"] = lambda file: _log_of(read_table(file))
     suffix, bag = path.suffix.lower(), is_bag(path)
     if suffix not in (*readers, *TEXTS) and not bag:
         kinds = ", ".join((*readers, *TEXTS, *BAGS))
@@ -122,10 +122,6 @@ def text_log(path: Path, content: bytes, reading: Reading) -> LogFile:
     return replace(_log_of(table_of(log.text)), units=log.units, notes=log.notes)
 
 
-def _read_parquet(path: Path) -> LogFile:
-    return _log_of(read_table(path))
-
-
 def _log_of(table: FileTable) -> LogFile:
     plain = [column for column in table.columns if column and table.is_plain(column)]
     return LogFile(table.path, {column: table.numbers(column) for column in plain}, table)
@@ -141,10 +137,8 @@ def _read_mat(path: Path) -> LogFile:
         raise BenchError(f"{path}: is a MATLAB 7.3 file: save it in MATLAB with the option -v7") from error
     except (MatReadError, zlib.error, ValueError, TypeError, OSError, LookupError) as error:
         raise BenchError(f"{path}: is not a complete MATLAB file: {one_line(error)}") from error
-    named = {name: value for name, value in content.items() if not name.startswith("__")}
-    return LogFile(
-        path, {name: vector for key, value in named.items() for name, vector in _vectors(key, value)}
-    )
+    named = [_vectors(name, value) for name, value in content.items() if not name.startswith("__")]
+    return LogFile(path, dict(chain(*named)))
 
 
 def _read_npz(path: Path) -> LogFile:
@@ -174,6 +168,5 @@ def _vectors(name: str, value: Any) -> Iterator[tuple[str, Array]]:
     elif array.size == max(array.shape, default=1):
         yield name, array.ravel().astype(np.float64)
     elif array.ndim == 2:
-        columns = array if array.shape[0] >= array.shape[1] else array.T
-        for i, column in enumerate(columns.T):
+        for i, column in enumerate(array.T if array.shape[0] >= array.shape[1] else array):
             yield f"{name}[{i}]", column.astype(np.float64)

@@ -100,9 +100,7 @@ def import_mapping(
 
 
 def _files(path: Path, index: int, table: LogsTable) -> list[Path]:
-    """The files of [[logs]], by pattern, then by name. Raises BenchError for a pattern without files, or a name for
-    several.
-    """
+    """The files of [[logs]]. Raises BenchError for a pattern without files, or a name for several."""
     files: list[Path] = []
     for pattern in table.files:
         whole = Path(pattern)

@@ -8,7 +8,7 @@ time at which the messages were recorded.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -79,7 +79,8 @@ def _joint_states(
     connections = _connections(path, reader, topic)
     received, stamps, names = [], [], []
     values: dict[str, list[Any]] = {field: [] for field in KINDS}
-    for when, message in _messages(reader, connections):
+    for connection, when, raw in reader.messages(connections):
+        message: Any = reader.deserialize(raw, connection.msgtype)
         received.append(when)
         stamps.append(message.header.stamp.sec * 10**9 + message.header.stamp.nanosec)
         names.append(tuple(message.name))
@@ -91,10 +92,8 @@ def _joint_states(
     vectors = {"time": time}
     for field, kind in KINDS.items():
         vectors |= _by_joint(f"{path}: {chosen}", field, kind, joints, names, values[field])
-    notes = [f"{len(time)} joint states of {chosen}; {said}"]
-    if any(name.startswith("current.") for name in vectors):
-        notes.append(EFFORT)
-    return vectors, tuple(notes)
+    effort = any(name.startswith("current.") for name in vectors)
+    return vectors, (f"{len(time)} joint states of {chosen}; {said}", *([EFFORT] if effort else []))
 
 
 def _states(reader: AnyReader) -> list[Connection]:
@@ -118,23 +117,13 @@ def _connections(path: Path, reader: AnyReader, topic: str | None) -> list[Conne
     states, counts = _states(reader), _counts(reader)
     known = ", ".join(f"{name} ({count})" for name, count in counts.items())
     if not counts:
-        others = (
-            ", ".join(
-                sorted({f"{connection.topic} ({connection.msgtype})" for connection in reader.connections})
-            )
-            or "nothing"
-        )
-        raise BenchError(f"{path}: holds no sensor_msgs/JointState (it has {others})")
+        others = sorted({f"{connection.topic} ({connection.msgtype})" for connection in reader.connections})
+        raise BenchError(f"{path}: holds no sensor_msgs/JointState (it has {', '.join(others) or 'nothing'})")
     if topic is None and len(counts) > 1:
         raise BenchError(f"{path}: several topics hold joint states: {known}: name one with --topic")
     if topic is not None and topic not in counts:
         raise BenchError(f"{path}: no joint states on the topic {topic!r} (they are on {known})")
     return [state for state in states if topic is None or state.topic == topic]
-
-
-def _messages(reader: AnyReader, connections: Sequence[Connection]) -> Iterator[tuple[int, Any]]:
-    for connection, when, raw in reader.messages(connections):
-        yield when, reader.deserialize(raw, connection.msgtype)
 
 
 def _joints(where: str, names: Sequence[tuple[str, ...]]) -> tuple[str, ...]:

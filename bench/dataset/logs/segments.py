@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-import pyarrow as pa
 
 from bench.basics.errors import BenchError
 from bench.basics.files.table import HUGE, SUFFIXES
 from bench.basics.plural import plural
 from bench.dataset.names import Use
+from bench.dataset.recording_faults import listed
 from bench.dataset.sampling import FEWEST, cut_rows, gap_rows
 
 Array = npt.NDArray[np.float64]
@@ -30,16 +30,6 @@ class Segment:
     use: Use
     columns: Mapping[str, Array]
     first_row: int = 0
-
-    @property
-    def rows(self) -> int:
-        """Number of samples."""
-        return self.columns["time"].size
-
-    @property
-    def table(self) -> pa.Table:
-        """The columns as a table."""
-        return pa.table({name: pa.array(values) for name, values in self.columns.items()})
 
 
 @dataclass(frozen=True)
@@ -114,11 +104,7 @@ def _written_once(columns: Mapping[str, Array]) -> tuple[npt.NDArray[np.intp], i
 
 def _measured(columns: Mapping[str, Array]) -> npt.NDArray[np.bool_]:
     """Mask (N,) of the rows in which every needed column has a measurement."""
-    needed = [
-        column
-        for name, column in columns.items()
-        if name == "time" or name.startswith(("position.", "current."))
-    ]
+    needed = [columns[name] for name in columns if name.startswith(("time", "position.", "current."))]
     return np.all([np.abs(column) < HUGE for column in needed], axis=0)
 
 
@@ -154,21 +140,16 @@ def _note_on(
     back = [row for row in cuts if row not in gaps]
     lost = [f"{time[row] - time[row - 1]:.3g} s at {time[row - 1]:.12g} s" for row in gaps]
     turned = [f"{time[row - 1]:.12g} s to {time[row]:.12g} s" for row in back]
-    parts = [f"at {plural(len(gaps), 'gap')} ({_listed(lost)})"] if gaps else []
-    parts += [f"where time runs backwards or stops ({_listed(turned)})"] if back else []
+    parts = [f"at {plural(len(gaps), 'gap')} ({listed(lost, MOST)})"] if gaps else []
+    parts += [f"where time runs backwards or stops ({listed(turned, MOST)})"] if back else []
     said = f"cut {' and '.join(parts)}"
     dropped = [piece for piece in pieces if piece not in whole]
     if not dropped:
         return f"{said}; no sample is dropped"
     seconds = sum(time[end - 1] - time[first] for first, end in dropped)
     samples = sum(end - first for first, end in dropped)
-    pieces_said = f"{len(dropped)} piece{'s' if len(dropped) > 1 else ''}"
+    pieces_said = plural(len(dropped), "piece")
     return (
         f"{said}; {pieces_said} shorter than {shortest:g} s or {FEWEST} samples dropped: {samples} of {time.size}"
         f" samples, {seconds:.3g} s"
     )
-
-
-def _listed(places: list[str]) -> str:
-    more = f" and {len(places) - MOST} more" if len(places) > MOST else ""
-    return f"{', '.join(places[:MOST])}{more}"

@@ -63,7 +63,9 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
     table = [line for line in rows if len(_cells(line.text, delimiter)) == count]
     table = _with_header(rows, table, delimiter)
     table = table[_padded([_cells(line.text, delimiter) for line in table]) :]
-    notes = [*encoding, *_preamble_notes(lines, table[0], skip_rows)]
+    notes = [*encoding, *([f"the first {skip_rows} lines are skipped, as requested"] if skip_rows else [])]
+    if above := _above(lines, table[0]):
+        notes.append(f"the preamble up to line {above[-1].number} is skipped")
     names, used = _names(lines, table, delimiter, header)
     if names is None:
         if header is None:
@@ -89,14 +91,12 @@ def split_log(path: Path, content: bytes, skip_rows: int = 0, header: bool | Non
 
 
 def _with_header(rows: Sequence[_Line], table: list[_Line], delimiter: str) -> list[_Line]:
-    """The table with the line of names above it, if all its lines end with a separator but the line of names does
-    not.
-    """
+    """The table with the line of names above it, if all its lines but not the names end with a separator."""
     above = [line for line in rows if line.number < table[0].number]
     if not above or any(_cells(line.text, delimiter)[-1] for line in table):
         return table
     names, count = _cells(above[-1].text, delimiter), len(_cells(table[0].text, delimiter))
-    if len(names) != count - 1 or any(is_number(name.replace(",", ".")) for name in names):
+    if len(names) != count - 1 or any(map(_is_number, names)):
         return table
     return [_Line(above[-1].number, above[-1].start, f"{above[-1].text}{delimiter}"), *table]
 
@@ -125,28 +125,22 @@ def _comment(line: _Line) -> bool:
 
 
 def _padded(table: Sequence[Sequence[str]]) -> int:
-    """Number of lines at the top that are text padded with empty cells, above the names, or above samples without
-    names.
-    """
+    """Number of lines at the top that are padded text, above the names or above samples without names."""
     filled = [sum(map(bool, cells)) for cells in table]
     first = next((i for i, cells in enumerate(table) if 2 * filled[i] > len(cells)), 0)
-    numbers = any(is_number(cell.replace(",", ".")) for cell in table[first])
-    named = not numbers and not _is_units(table[first])
+    named = not any(map(_is_number, table[first])) and not _is_units(table[first])
     above = 0
     for cells, count in zip(table[:first], filled, strict=False):
-        text = bool(cells[0]) and not is_number(cells[0].replace(",", ".")) and not cells[-1]
+        text = bool(cells[0]) and not _is_number(cells[0]) and not cells[-1]
         if not text or (not named and (count > 1 or len(cells) == 2)):
             break
         above += 1
     return above
 
 
-def _preamble_notes(lines: Sequence[_Line], first: _Line, skip_rows: int) -> list[str]:
-    above = [line.number for line in lines if line.number < first.number and line.text.strip()]
-    notes = [f"the first {skip_rows} lines are skipped, as requested"] if skip_rows else []
-    if above:
-        notes.append(f"the preamble up to line {above[-1]} is skipped")
-    return notes
+def _above(lines: Sequence[_Line], first: _Line) -> list[_Line]:
+    """The lines with text above the table's first one."""
+    return [line for line in lines if line.number < first.number and line.text.strip()]
 
 
 def _names(
@@ -156,8 +150,8 @@ def _names(
     cells = _cells(table[0].text, delimiter)
     if header is False:
         return None, 0
-    if header is None and _are_numbers(cells) and not _count_columns(cells):
-        above = [line for line in lines if line.number < table[0].number and line.text.strip()]
+    if header is None and all(map(_is_number, cells)) and not _count_columns(cells):
+        above = _above(lines, table[0])
         if above and _comment(above[-1]):
             said = _cells(above[-1].text.lstrip().lstrip("#%/").strip(), delimiter)
             if len(said) == len(cells):
@@ -166,8 +160,9 @@ def _names(
     return cells, 1
 
 
-def _are_numbers(cells: Sequence[str]) -> bool:
-    return all(is_number(cell.replace(",", ".")) for cell in cells)
+def _is_number(cell: str) -> bool:
+    """Whether a cell is a number, with a decimal point or comma."""
+    return is_number(cell.replace(",", "."))
 
 
 def _count_columns(cells: Sequence[str]) -> bool:
@@ -176,16 +171,12 @@ def _count_columns(cells: Sequence[str]) -> bool:
 
 
 def _refuse_other_header(path: Path, lines: Sequence[_Line], table: Sequence[_Line], delimiter: str) -> None:
-    """Raise BenchError if names just above the table are fewer or more than its columns: the mapping would be a
-    guess.
-    """
-    above = [line for line in lines if line.number < table[0].number and line.text.strip()]
+    """Raise BenchError if the table has more or fewer columns than names above it: the mapping would be a guess."""
+    above = _above(lines, table[0])
     if not above or _comment(above[-1]):
         return
     names, count = _cells(above[-1].text, delimiter), len(_cells(table[0].text, delimiter))
-    if 2 * len([name for name in names if name]) > count and not any(
-        is_number(name.replace(",", ".")) for name in names
-    ):
+    if 2 * len([name for name in names if name]) > count and not any(map(_is_number, names)):
         raise BenchError(
             f"{path}: line {above[-1].number}: names {plural(len(names), 'column')}, the lines below have "
             f"{plural(count, 'value')}: mend it, or add --no-header and map columns by number"
@@ -207,13 +198,13 @@ def _delimiter(rows: Sequence[_Line]) -> str:
 
     def numbers(delimiter: str) -> int:
         cells = (cell for line in lower for cell in _cells(line.text, delimiter))
-        return sum(is_number(cell if delimiter == "," else cell.replace(",", ".")) for cell in cells)
+        return sum((is_number(cell) if delimiter == "," else _is_number(cell)) for cell in cells)
 
     return max(DELIMITERS, key=numbers)
 
 
 def _is_units(cells: Sequence[str]) -> bool:
     given = [cell for cell in cells if cell]
-    if not given or any(is_number(cell.replace(",", ".")) for cell in given):
+    if not given or any(map(_is_number, given)):
         return False
     return 2 * sum(unit_named(cell) is not None for cell in given) > len(given)

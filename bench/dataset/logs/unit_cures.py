@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from bench.basics.files.recording_fault import IN_UNIT, RecordingFaultError, Remedy
 from bench.dataset.logs.columns import GROUPS, Columns
-from bench.dataset.logs.units import UNITS, bracketed, measured_by, unit_called, unit_in, units_of
+from bench.dataset.logs.units import UNITS, bracketed, measured_by, unit_in, unit_named, units_of
 from bench.dataset.robot import Robot
 
 CUTS: Mapping[Remedy, str] = {
@@ -40,7 +40,7 @@ class UnitCures:
             return self._other_scale(key, unit)
         source = self.columns.sources.get(column, "")
         foreign = bracketed(source)
-        if foreign and unit_called(foreign) is None:
+        if foreign and unit_named(foreign) is None:
             return f"its name says {foreign!r}, which is not a known unit: add --scale {column}=FACTOR"
         named = unit_in(source, units_of(column, self.robot))
         if named and UNITS[named].factor != 1.0:
@@ -67,7 +67,7 @@ class UnitCures:
         if group not in GROUPS or alike >= {*all_of_it} - others:
             return f"add --scale {group}={unit}"
         for other in all_of_it:
-            if other != column and unit_called(self.columns.stated.get(other, "")) == UNITS[unit]:
+            if other != column and unit_named(self.columns.stated.get(other, "")) == UNITS[unit]:
                 si = next(name for name, known in UNITS.items() if (known.factor, known.of) == (1.0, of))
                 return (
                     f"the log says that {other} is in {unit}: if the units are exchanged, add --scale {column}={unit} "
@@ -77,7 +77,7 @@ class UnitCures:
 
     def _other_scale(self, key: str, unit: str) -> str:
         given = self.scale[key]
-        before = unit_called(given) if isinstance(given, str) else None
+        before = unit_named(given) if isinstance(given, str) else None
         factor = (before.factor if before is not None else float(given)) * UNITS[unit].factor
         known = (alike.factor for alike in UNITS.values() if alike.of == UNITS[unit].of)
         if not any(math.isclose(factor, unit_factor, rel_tol=1e-9) for unit_factor in known):

@@ -7,7 +7,7 @@ from math import pi
 
 from bench.basics.errors import BenchError
 from bench.basics.joint_units import drive_unit, units_of_gain
-from bench.dataset.robot import Actuator, Robot
+from bench.dataset.robot import Robot
 
 TURN = 2.0 * pi
 
@@ -74,11 +74,6 @@ def unit_named(text: str) -> Unit | None:
     return UNITS.get(_SPELLINGS.get(plain, plain))
 
 
-def unit_called(text: str) -> Unit | None:
-    """As `unit_named`; None for an empty text."""
-    return unit_named(text) if text else None
-
-
 def bracketed(name: str) -> str:
     """The text in square brackets at the end of a name, as in "q1 [deg]"; "" if there are none."""
     match = re.search(r"\[([^\]]+)\]$", name)
@@ -90,32 +85,18 @@ def measured_by(column: str, robot: Robot) -> str | None:
     if column == "time":
         return "time"
     kind, _, joint = column.partition(".")
-    actuator = next((motor for motor in robot.motors if motor.joint == joint), None)
-    if actuator is None:
+    unit = next((motor.gain_unit for motor in robot.motors if motor.joint == joint), None)
+    if unit is None:
         return None
-    if kind == "current":
-        return _of_current(actuator)
-    turns = units_of_gain(actuator.gain_unit).rotates
-    if kind == "position":
-        return "angle" if turns else "length"
-    if kind == "velocity":
-        return "angular velocity" if turns else "velocity"
-    return None
+    place, rate = ("angle", "angular velocity") if units_of_gain(unit).rotates else ("length", "velocity")
+    return {"current": _OF_CURRENT[drive_unit(unit)], "position": place, "velocity": rate}.get(kind)
 
 
 def unit_of_velocity(scale: float, rotates: bool, near: float) -> str:
-    """The unit in which a velocity is `scale` times as large as in SI, within the relative difference `near`; "" if
-    none.
-    """
+    """The unit in which a velocity is `scale` times that in SI, within a relative difference `near`; "" if none."""
     of = "angular velocity" if rotates else "velocity"
-    for name, unit in UNITS.items():
-        if unit.of == of and unit.factor != 1.0 and abs(scale * unit.factor - 1.0) < near:
-            return name
-    return ""
-
-
-def _of_current(actuator: Actuator) -> str:
-    return _OF_CURRENT[drive_unit(actuator.gain_unit)]
+    known = {name: unit.factor for name, unit in UNITS.items() if unit.of == of and unit.factor != 1.0}
+    return next((name for name, factor in known.items() if abs(scale * factor - 1.0) < near), "")
 
 
 def factor_of(where: str, unit: str, column: str, robot: Robot) -> float | None:

@@ -169,10 +169,7 @@ class Histogram(Series):
 
 @dataclass(frozen=True, eq=False)
 class Cells(Series):
-    """A matrix over two axes of categories: column x, row y, shade 0 to 1 and text of each cell, (N,).
-
-    pick: see `Whiskers`.
-    """
+    """Column x, row y, shade 0 to 1 and text of each cell of a matrix, (N,). pick: see `Whiskers`."""
 
     x: np.ndarray
     y: np.ndarray

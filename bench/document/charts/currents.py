@@ -24,14 +24,10 @@ def currents_chart(curves: Sequence[Curve], unit: str, title: str) -> Chart:
     With several models, a further panel shows the error of the last one at its scale.
     """
     *_, (role, name, last) = curves
-    time = _with_gaps(last, last.time)
-    currents = (
-        Line("measured", "measured", time, _with_gaps(last, last.measured)),
-        Line("modelled", "modelled", time, _with_gaps(last, last.modelled)),
-    )
+    time, measured, modelled = (_with_gaps(last, v) for v in (last.time, last.measured, last.modelled))
     noise = Band(NOISE_BAND, "noise", -last.noise, last.noise)
     panels = [
-        Panel(Axis("current", unit), currents, 1.5),
+        _currents(time, measured, modelled, unit),
         Panel(Axis("error", unit), (noise, *map(_error_line, curves))),
     ]
     if len(curves) > 1:
@@ -47,23 +43,24 @@ def fitted_currents_chart(series: CurrentSeries, motor: int, spread: float, unit
     """
     time = series.time - series.time[0]
     band = Band("± one standard deviation of the fitted errors", "error", -1e3 * spread, 1e3 * spread)
-    currents = (
-        Line("measured", "measured", time, series.measured[:, motor]),
-        Line("modelled", "modelled", time, series.modelled[:, motor]),
-    )
+    currents = _currents(time, series.measured[:, motor], series.modelled[:, motor], unit)
     error = Line("error", "error", time, 1e3 * error_where_moving(series)[:, motor])
-    panels = (Panel(Axis("current", unit), currents, 1.5), Panel(Axis("error", f"m{unit}"), (band, error)))
-    return Chart(title, Axis(TIME, "s"), panels)
+    return Chart(title, Axis(TIME, "s"), (currents, Panel(Axis("error", f"m{unit}"), (band, error))))
+
+
+def _currents(time: np.ndarray, measured: np.ndarray, modelled: np.ndarray, unit: str) -> Panel:
+    lines = (Line("measured", "measured", time, measured), Line("modelled", "modelled", time, modelled))
+    return Panel(Axis("current", unit), lines, 1.5)
 
 
 def before_after_chart(
     before: CurrentSeries | None, after: CurrentSeries, motor: int, unit: str, title: str
 ) -> Chart:
     """Errors of one motor by the models without and with the missing effects, or of one model if nothing is missing."""
-    named = "the model as it is: nothing is missing" if before is None else "with the missing effects"
-    models: list[tuple[str, Role, CurrentSeries]] = [(named, "after", after)]
+    models: list[tuple[str, Role, CurrentSeries]]
+    models = [("the model as it is: nothing is missing", "after", after)]
     if before is not None:
-        models.insert(0, ("the model as it is", "before", before))
+        models = [("the model as it is", "before", before), ("with the missing effects", "after", after)]
     lines = tuple(
         Line(name, role, model.time - model.time[0], error_where_moving(model)[:, motor])
         for name, role, model in models
@@ -112,12 +109,11 @@ def gains_chart(models: Sequence[tuple[Role, str, Mapping[str, DriveGain]]]) -> 
     """Drive gains with their 95 % intervals against their nominal values; models: role, name, gains by joint."""
     series = []
     for i, (role, name, gains) in enumerate(models):
-        known = [
-            (gain_change(gain), gain.std / abs(gain.nominal)) for gain in gains.values() if gain.determined
-        ]
-        value, half = np.full(len(gains), np.nan), np.full(len(gains), np.nan)
-        there = [gain.determined for gain in gains.values()]
-        value[there], half[there] = [change for change, _ in known], [WITHIN_95 * std for _, std in known]
+        known = [gain if gain.determined else None for gain in gains.values()]
+        value = np.array([np.nan if gain is None else gain_change(gain) for gain in known])
+        half = WITHIN_95 * np.array(
+            [np.nan if gain is None else gain.std / abs(gain.nominal) for gain in known]
+        )
         shift = 0.0 if len(models) == 1 else 0.3 * (i - 0.5)
         at = np.arange(len(gains))
         series.append(Spans(name, role, at, value, value - half, value + half, shift))

@@ -1,6 +1,4 @@
-"""Charts of one motor's errors: against the variables on which they may depend, by part of the motion, and in
-distribution.
-"""
+"""Charts of one motor's errors: against variables, by part of the motion, and in distribution."""
 
 from collections.abc import Mapping
 
@@ -22,8 +20,10 @@ from bench.document.charts.chart import (
     Stems,
 )
 from bench.document.layout import SCREEN
+from bench.residuals.autocorrelation import autocorrelation
 from bench.residuals.bounds import ERROR_GRID
 from bench.residuals.error_breakdown import Branch, ErrorBreakdown
+from bench.residuals.periods import position_spectrum, time_spectrum
 from bench.residuals.profile import Variable
 
 VARIABLES: tuple[Variable, ...] = ("velocity", "position", "acceleration", "current", "time")
@@ -54,7 +54,7 @@ def against_chart(errors: ErrorBreakdown, variable: Variable) -> Chart:
     return Chart(
         f"Against {'modelled current' if variable == 'current' else variable}",
         Axis(label, unit),
-        (Panel(_error_axis(errors), series),),
+        (Panel(Axis("error", errors.current), series),),
         aid="If level with the band, nothing depends on it.",
         legend="shared",
     )
@@ -73,7 +73,7 @@ def reversals_chart(errors: ErrorBreakdown) -> Chart:
     return Chart(
         "Around reversals",
         Axis("time from the nearest reversal", "s", include=(-reach, reach)),
-        (Panel(_error_axis(errors), series),),
+        (Panel(Axis("error", errors.current), series),),
         aid=aid if branches else "The motor never reverses while it moves: nothing to show.",
         key="colour: the direction afterwards" if branches else "it never reverses while it moves",
         legend="shared",
@@ -82,24 +82,17 @@ def reversals_chart(errors: ErrorBreakdown) -> Chart:
 
 def recordings_chart(errors: ErrorBreakdown) -> Chart:
     """Error of every recording, and noise of its current, both relative to the current."""
-    recordings = errors.by_recording
-    stems = [recording.recording.removesuffix(".csv").removesuffix(".parquet") for recording in recordings]
     names = tuple(
-        f"{stem}, {recording.payload}" if recording.payload else stem
-        for stem, recording in zip(stems, recordings, strict=True)
+        trace.recording.removesuffix(".csv").removesuffix(".parquet")
+        + (f", {trace.payload}" if trace.payload else "")
+        for trace in errors.series
     )
-    return Chart(
-        "By recording and payload",
-        Axis("error of the current", "%", include=(0.0,)),
-        (
-            _bars(
-                names,
-                ("error", np.array([recording.error for recording in recordings])),
-                ("noise of the current", np.array([recording.noise for recording in recordings])),
-            ),
-        ),
-        aid="A prominent recording or payload differs from the others.",
-        key="grey: noise of the current",
+    return _bars(
+        ("By recording and payload", "error of the current", "grey: noise of the current"),
+        names,
+        ("error", [error for error, _ in errors.by_recording]),
+        ("noise of the current", [noise for _, noise in errors.by_recording]),
+        "A prominent recording or payload differs from the others.",
     )
 
 
@@ -121,25 +114,18 @@ def opposing_chart(errors: ErrorBreakdown) -> Chart:
 
 def shares_chart(errors: ErrorBreakdown) -> Chart:
     """Share of the squared error in each part of the motion, and that part's share of the time."""
-    regions = errors.shares
-    return Chart(
-        "Where the squared error lies",
-        Axis("share", "%", include=(0.0,)),
-        (
-            _bars(
-                tuple(region.region for region in regions),
-                ("of the squared error", np.array([region.error for region in regions])),
-                ("of the time", np.array([region.time for region in regions])),
-            ),
-        ),
-        aid="A bar far longer than the grey one: the error is concentrated there.",
-        key="grey: share of the time",
+    return _bars(
+        ("Where the squared error lies", "share", "grey: share of the time"),
+        tuple(errors.shares),
+        ("of the squared error", [error for error, _ in errors.shares.values()]),
+        ("of the time", [time for _, time in errors.shares.values()]),
+        "A bar far longer than the grey one: the error is concentrated there.",
     )
 
 
 def spectrum_chart(errors: ErrorBreakdown) -> Chart:
     """Spectral density of the error, and of the current's noise."""
-    spectrum = errors.spectrum
+    spectrum = time_spectrum(errors.series)
     density = spectrum.density[1:]
     series: tuple[Series, ...] = (Line("error", "error", spectrum.frequency[1:], density),)
     domain = None
@@ -157,7 +143,7 @@ def spectrum_chart(errors: ErrorBreakdown) -> Chart:
 
 def positions_chart(errors: ErrorBreakdown) -> Chart:
     """Amplitude of the sinusoid over position that fits the error best, against its wave number."""
-    lines = errors.over_position
+    lines = position_spectrum(errors.series)
     curve = Line("error", "error", np.asarray(lines.cycles), np.asarray(lines.amplitude))
     return Chart(
         "Spectrum over position",
@@ -169,9 +155,9 @@ def positions_chart(errors: ErrorBreakdown) -> Chart:
 
 def autocorrelation_chart(errors: ErrorBreakdown) -> Chart:
     """Autocorrelation of the error, with the 95 % band of chance."""
-    autocorrelation = errors.autocorrelation
-    band = Band("95 % of what chance gives", "noise", -autocorrelation.band, autocorrelation.band)
-    stems = Stems("error", "error", np.asarray(autocorrelation.lag), np.asarray(autocorrelation.value))
+    known = autocorrelation(errors.series)
+    band = Band("95 % of what chance gives", "noise", -known.band, known.band)
+    stems = Stems("error", "error", known.lag, known.value)
     return Chart(
         "Autocorrelation",
         Axis("lag", "s"),
@@ -190,7 +176,8 @@ def histogram_chart(errors: ErrorBreakdown) -> Chart:
     series: tuple[Series, ...] = (Histogram("error", "error", edges, share),)
     if errors.noise > 0:
         x = np.linspace(-reach, reach, 10 * SCREEN.histogram_bins)
-        alone = errors.noise_alone(x) * float(edges[1] - edges[0])
+        density = np.exp(-0.5 * (x / errors.noise) ** 2) / (errors.noise * np.sqrt(2.0 * np.pi))
+        alone = density * float(edges[1] - edges[0])
         series = (*series, Line("noise of the current alone", "noise", x, alone))
     domain = (0.7 / count_all, 1.5 * float(share.max()))
     return Chart(
@@ -201,30 +188,14 @@ def histogram_chart(errors: ErrorBreakdown) -> Chart:
     )
 
 
-def _error_axis(errors: ErrorBreakdown) -> Axis:
-    return Axis("error", errors.current)
-
-
 def _noise_band(errors: ErrorBreakdown) -> Band:
     return Band(NOISE_BAND, "noise", -errors.noise, errors.noise)
 
 
 def _binned(branch: Branch) -> Binned:
-    bins = branch.bins
-    low, high = _extremes(branch)
-    return Binned(
-        branch.direction,
-        branch.direction,
-        branch.x,
-        branch.error,
-        bins.edges,
-        bins.center,
-        bins.mean,
-        bins.spread,
-        low,
-        high,
-        bins.count,
-    )
+    bins, way = branch.bins, branch.direction
+    means = (bins.edges, bins.center, bins.mean, bins.spread)
+    return Binned(way, way, branch.x, branch.error, *means, *_extremes(branch), bins.count)
 
 
 def _extremes(branch: Branch) -> tuple[np.ndarray, np.ndarray]:
@@ -239,7 +210,15 @@ def _extremes(branch: Branch) -> tuple[np.ndarray, np.ndarray]:
     return np.where(np.isfinite(low), low, np.nan), np.where(np.isfinite(high), high, np.nan)
 
 
-def _bars(names: tuple[str, ...], thick: tuple[str, np.ndarray], thin: tuple[str, np.ndarray]) -> Panel:
-    """Two bars for each category, the second one thin; thick, thin: name and lengths of each."""
-    bars = (Bars(thick[0], "error", thick[1]), Bars(thin[0], "noise", thin[1], thin=True))
-    return Panel(Axis("", scale="band", categories=names), bars)
+def _bars(
+    words: tuple[str, str, str],
+    names: tuple[str, ...],
+    thick: tuple[str, list[float]],
+    thin: tuple[str, list[float]],
+    aid: str,
+) -> Chart:
+    """Two bars for each category, one thin. words: title, axis and key; thick, thin: name and lengths of each."""
+    title, axis, key = words
+    bars = (Bars(thick[0], "error", np.array(thick[1])), Bars(thin[0], "noise", np.array(thin[1]), thin=True))
+    panel = Panel(Axis("", scale="band", categories=names), bars)
+    return Chart(title, Axis(axis, "%", include=(0.0,)), (panel,), aid, key)

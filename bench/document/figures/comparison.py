@@ -10,13 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from bench.basics.errors import BenchError
 from bench.basics.figure_style import DPI, STYLE
 from bench.basics.joint_units import drive_unit
 from bench.document.charts.currents import currents_chart, fitted_currents_chart
 from bench.document.charts.motor import motor_charts
 from bench.document.figures.draw import draw
-from bench.document.figures.write import write_figure, write_figures
+from bench.document.figures.write import write_figures
 from bench.document.layout import SCREEN
 from bench.document.numbers import USES, error_std, percent
 from bench.identification.result import CurrentSeries, Identification, relative_error
@@ -29,22 +28,20 @@ UPPER_MARGINS = {"left": 0.085, "right": 0.985, "top": 0.945, "bottom": 0.05, "w
 LOWER_MARGINS = {"left": 0.125, "right": 0.985, "top": 0.92, "bottom": 0.18, "wspace": 0.72}
 
 
-def current_figure(result: Identification, recordings: Sequence[str] | None = None) -> Figure:
+def current_figure(result: Identification) -> Figure:
     """Measured and modelled current of every motor, with the error below; one block for each recording.
 
-    recordings: names of those to show, all by default. The band around zero is ± one standard deviation of the errors
-    on the fitted recordings; the error has gaps where a joint does not move. Raises BenchError for a recording that the
-    result does not have.
+    The band around zero is ± one standard deviation of the errors on the fitted recordings; the error has gaps where a
+    joint rests.
     """
-    chosen = _chosen(result, recordings)
     joints = list(result.joints)
     spread = error_std(result)
     units = [drive_unit(result.drive_gains[joint].unit) for joint in joints]
     with mpl.rc_context(STYLE):
-        blocks = currents_page([trace.name for trace in chosen], joints)
-        for series in chosen:
+        blocks = currents_page([trace.name for trace in result.recordings], joints)
+        for series in result.recordings:
             block = blocks.of[series.name]
-            block[0][0].set_title(_title_of_trace(series))
+            block[0][0].set_title(_title(series.name, series, relative_error([series])))
             for j, (upper, lower) in enumerate(block):
                 chart = fitted_currents_chart(series, j, float(spread[j]), units[j], series.name)
                 draw(upper, chart)
@@ -63,14 +60,11 @@ class Blocks:
     def label(self, joints: Sequence[str], units: Sequence[str], error_units: Sequence[str]) -> None:
         """Label the axes and draw one legend, after everything else is drawn."""
         for place, block in enumerate(self.of.values()):
-            for (upper, lower), joint, unit, error_unit in zip(
-                block, joints, units, error_units, strict=True
-            ):
-                first = place % SCREEN.recordings == 0
-                upper.set_ylabel(f"{joint} [{unit}]" if first else "")
-                lower.set_ylabel(f"error [{error_unit}]" if first else "")
-                upper.set_xlabel("")
-                lower.set_xlabel("")
+            first = place % SCREEN.recordings == 0
+            of_motors = zip(block, joints, units, error_units, strict=True)
+            for (upper, lower), joint, unit, error_unit in of_motors:
+                upper.set(xlabel="", ylabel=f"{joint} [{unit}]" if first else "")
+                lower.set(xlabel="", ylabel=f"error [{error_unit}]" if first else "")
                 upper.tick_params(labelbottom=False)
                 lower.tick_params(labelbottom=lower is block[-1][1])
             block[-1][1].set_xlabel("time [s]")
@@ -121,24 +115,9 @@ def currents_page(names: Sequence[str], joints: Sequence[str]) -> Blocks:
     return Blocks(figure, of)
 
 
-def write_current_figure(
-    path: str | Path, result: Identification, recordings: Sequence[str] | None = None
-) -> None:
-    """Write `current_figure` to a file, PNG or SVG by suffix, whole or not at all."""
-    write_figure(path, current_figure(result, recordings))
-
-
-def _chosen(result: Identification, names: Sequence[str] | None) -> list[CurrentSeries]:
-    by_name = {trace.name: trace for trace in result.recordings}
-    for name in names or ():
-        if name not in by_name:
-            raise BenchError(f"no recording {name!r}; there are: {', '.join(by_name)}")
-    return [by_name[name] for name in (by_name if names is None else names)]
-
-
-def _title_of_trace(series: CurrentSeries) -> str:
+def _title(name: str, series: CurrentSeries | MotorSeries, error: float | None) -> str:
     load = f", payload {series.payload}" if series.payload else ""
-    return f"{series.name}, {USES[series.use]}{load}: error {percent(relative_error([series]))}"
+    return f"{name}, {USES[series.use]}{load}: error {percent(error)}"
 
 
 SHOWN = (
@@ -159,9 +138,12 @@ SHOWN = (
 
 def write_comparison_figures(folder: Path, what: Compared) -> list[Path]:
     """Write currents.png and errors_MOTOR.png into a folder, each whole or not at all; return their paths."""
-    pages = {"currents.png": currents_figure(what)}
-    pages |= {f"errors_{joint}.png": errors_figure(what, joint) for joint in what.joints if what.of(joint)}
-    return write_figures(folder, pages)
+    return write_figures(folder, {"currents.png": currents_figure(what)} | errors_figures(what))
+
+
+def errors_figures(what: Compared) -> dict[str, Figure]:
+    """The page of errors of every motor that moves, by file name."""
+    return {f"errors_{joint}.png": errors_figure(what, joint) for joint in what.joints if what.of(joint)}
 
 
 def currents_figure(what: Compared) -> Figure:
@@ -174,9 +156,8 @@ def currents_figure(what: Compared) -> Figure:
             draw(upper, chart)
             draw(lower, chart, panel=1)
         for name, block in blocks.of.items():
-            block[0][0].set_title(
-                _title([motor_trace for motor_trace in what.series if motor_trace.recording == name])
-            )
+            motors = [trace for trace in what.series if trace.recording == name]
+            block[0][0].set_title(_title(name, motors[0], relative_error_of(motors)))
         units = [what.units[joint][0] for joint in what.joints]
         blocks.label(what.joints, units, units)
     return blocks.figure
@@ -194,29 +175,14 @@ def errors_figure(what: Compared, joint: str) -> Figure:
         # bars: in a separate subfigure these take no space from the columns above.
         figure = Figure(figsize=(SCREEN.width, 12.0), dpi=DPI)
         upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=[3.1, 1.0]).ravel()
-        axes = np.concatenate(
-            (
-                upper.subplots(3, 3, gridspec_kw=UPPER_MARGINS),
-                lower.subplots(1, 3, squeeze=False, gridspec_kw=LOWER_MARGINS),
-            )
-        )
+        rows = upper.subplots(3, 3, gridspec_kw=UPPER_MARGINS)
+        axes = np.concatenate((rows, lower.subplots(1, 3, squeeze=False, gridspec_kw=LOWER_MARGINS)))
         charts = motor_charts(errors)
         for place, name in zip(axes.flat, SHOWN, strict=True):
             draw(place, charts[name], letters=SCREEN.letters)
         handles, names = axes[0, 0].get_legend_handles_labels()
         figure.legend(handles, names, loc="upper right", ncols=len(names), frameon=False)
         error, noise = relative_error_of(errors.series), relative_noise(errors.series)
-        figure.suptitle(
-            f"{what.robot}, {motor_words(joint)}: error {percent(error)} of the current, noise {percent(noise)}",
-            x=0.01,
-            y=0.99,
-            ha="left",
-            fontsize=12,
-        )
+        size = f"error {percent(error)} of the current, noise {percent(noise)}"
+        figure.suptitle(f"{what.robot}, {motor_words(joint)}: {size}", x=0.01, y=0.99, ha="left", fontsize=12)
     return figure
-
-
-def _title(series: Sequence[MotorSeries]) -> str:
-    first = series[0]
-    load = f", payload {first.payload}" if first.payload else ""
-    return f"{first.recording}, {USES[first.use]}{load}: error {percent(relative_error_of(series))}"

@@ -1,6 +1,6 @@
 """Figures of a diagnosis: the ladder, the errors before and after, the gains, and the residual."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,13 +16,13 @@ from bench.basics.joint_units import drive_unit
 from bench.basics.sentence import and_list
 from bench.diagnosis.result import Diagnosis
 from bench.document.charts.currents import before_after_chart, ladder_chart
-from bench.document.figures.comparison import errors_figure
+from bench.document.figures.comparison import errors_figures
 from bench.document.figures.draw import COLOURS, PLAIN, ZERO, draw
 from bench.document.figures.write import write_figures
 from bench.document.layout import SCREEN
 from bench.document.numbers import is_poor, percent, pretty_unit
 from bench.effects.display_names import spoken
-from bench.identification.result import CurrentSeries, Quantity, relative_error
+from bench.identification.result import Quantity, relative_error
 from bench.residuals.motor import Compared
 
 VERDICT_COLOURS = {
@@ -72,30 +72,22 @@ def draw_ranking(axes: Axes, diagnosis: Diagnosis, most: int, scale: float = 1.0
 
     Not as bars, whose lengths would be meaningless on a scale that is linear up to `EVEN_NATS` and logarithmic beyond.
     """
-    ranked = [effect_verdict for effect_verdict in diagnosis.ranking if effect_verdict.verdict != "absorbed"][
-        :most
-    ]
+    ranked = [each for each in diagnosis.ranking if each.verdict != "absorbed"][:most]
     at = np.arange(len(ranked))
     axes.axvline(0.0, color=ZERO, linewidth=0.8 * scale)
+    evidence = np.array([each.evidence for each in ranked])
     for verdict, colour in VERDICT_COLOURS.items():
-        of_it = [
-            (effect_verdict.evidence, i)
-            for i, effect_verdict in zip(at, ranked, strict=True)
-            if effect_verdict.verdict == verdict
-        ]
-        if of_it:
-            evidence, places = zip(*of_it, strict=True)
-            axes.plot(evidence, places, "o", color=colour, markersize=6.0 * scale, label=verdict)
-    declared = even_then_logarithmic(
-        axes, [effect_verdict.evidence for effect_verdict in ranked], EVEN_NATS, "nats"
-    )
-    axes.set_yticks(at, [spoken(effect_verdict.effect) for effect_verdict in ranked])
+        of_it = np.array([each.verdict == verdict for each in ranked], dtype=bool)
+        if of_it.any():
+            axes.plot(evidence[of_it], at[of_it], "o", color=colour, markersize=6.0 * scale, label=verdict)
+    declared = even_then_logarithmic(axes, evidence, EVEN_NATS, "nats")
+    axes.set_yticks(at, [spoken(each.effect) for each in ranked])
     axes.set_ylim(len(ranked) - 0.4, -0.6)
     axes.set_xlabel(f"evidence [nats]{declared}")
     axes.grid(visible=True, axis="y", linewidth=0.5 * scale, alpha=0.5)
 
 
-def even_then_logarithmic(axes: Axes, values: Sequence[float], even: float, unit: str) -> str:
+def even_then_logarithmic(axes: Axes, values: Iterable[float], even: float, unit: str) -> str:
     """Make the horizontal axis logarithmic beyond ±even if a value is far beyond; return an addition to its label."""
     if max(map(abs, values), default=0.0) <= SCREEN.logarithmic * even:
         return ""
@@ -114,13 +106,11 @@ def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
         (-offset, COLOURS["before"], "s", "before", [row.before for row in rows]),
         (offset, COLOURS["after"], "o", "after", [row.after for row in rows]),
     ):
+        moves = [quantity.value - row.after.value for quantity, row in zip(values, rows, strict=True)]
         axes.errorbar(
-            [
-                (quantity.value - row.after.value) * f
-                for quantity, row, f in zip(values, rows, factor, strict=True)
-            ],
+            np.multiply(moves, factor),
             at + shift,
-            xerr=[WITHIN_95 * quantity.std * f for quantity, f in zip(values, factor, strict=True)],
+            xerr=WITHIN_95 * np.multiply([quantity.std for quantity in values], factor),
             fmt=marker,
             color=colour,
             markersize=4.5 * scale,
@@ -128,15 +118,15 @@ def draw_moved(axes: Axes, rows: Sequence[Moved], scale: float = 1.0) -> None:
             linewidth=1.3 * scale,
             label=label,
         )
-    nominal = [
-        (i, (row.nominal - row.after.value) * f)
+    nominal = {
+        i: (row.nominal - row.after.value) * f
         for i, row, f in zip(at, rows, factor, strict=True)
         if row.nominal is not None
-    ]
+    }
     if nominal:
         axes.plot(
-            [value for _, value in nominal],
-            [i for i, _ in nominal],
+            list(nominal.values()),
+            list(nominal),
             "D",
             color="#5A6470",
             fillstyle="none",
@@ -159,12 +149,7 @@ def write_diagnosis_figures(folder: Path, diagnosis: Diagnosis, residuals: Compa
     pages = {"errors.png": errors_before_after_figure(diagnosis)}
     if diagnosis.added:
         pages = {"ladder.png": ladder_figure(diagnosis), **pages, "gains.png": gains_figure(diagnosis)}
-    pages |= {
-        f"errors_{joint}.png": errors_figure(residuals, joint)
-        for joint in residuals.joints
-        if residuals.of(joint)
-    }
-    return write_figures(folder, pages)
+    return write_figures(folder, pages | errors_figures(residuals))
 
 
 def ladder_figure(diagnosis: Diagnosis) -> Figure:
@@ -195,7 +180,9 @@ def errors_before_after_figure(diagnosis: Diagnosis) -> Figure:
             row, column = divmod(place, columns)
             for j, (joint, gain) in enumerate(gains.items()):
                 panel = axes[row * len(gains) + j, column]
-                title = _said_errors(after.name, joint, before.get(after.name), after, j)
+                models = [model for model in (before.get(after.name), after) if model is not None]
+                errors = ", then ".join(percent(relative_error([model], j)) for model in models)
+                title = f"{after.name}, {joint}: error {errors}"
                 chart = before_after_chart(before.get(after.name), after, j, drive_unit(gain.unit), title)
                 draw(panel, chart)
                 panel.set(title=chart.title, xlabel="", ylabel=chart.y.title if column == 0 else "")
@@ -222,10 +209,3 @@ def gains_figure(diagnosis: Diagnosis) -> Figure:
         figure.suptitle(f"{diagnosis.robot}: what moves with {added}", x=0.01, ha="left", fontsize=10.5)
         figure.legend(loc="outside lower right", ncols=3, frameon=False)
     return figure
-
-
-def _said_errors(
-    name: str, joint: str, before: CurrentSeries | None, after: CurrentSeries, motor: int
-) -> str:
-    errors = [percent(relative_error([trace], motor)) for trace in (before, after) if trace is not None]
-    return f"{name}, {joint}: error {', then '.join(errors)}"

@@ -93,27 +93,20 @@ def draw(
     """
     what = chart.panels[panel]
     pen = Pen(axes, scale, 100.0 if chart.x.percent else 1.0, 100.0 if what.y.percent else 1.0)
-    binned = [series for series in what.series if isinstance(series, Binned)]
-    levels = [series for series in what.series if isinstance(series, Levels)]
-    if levels:
+    if levels := [series for series in what.series if isinstance(series, Levels)]:
         _draw_levels(pen, levels, what, chart.x)
     else:
         for series in what.series:
             _draw(series, pen)
-        if binned:
+        if binned := [series for series in what.series if isinstance(series, Binned)]:
             _keep_errors_in_view(pen, binned)
         _set_axis(axes, axes.xaxis, chart.x, letters)
         _set_axis(axes, axes.yaxis, what.y, letters)
     if any(isinstance(series, Line) for series in what.series) and chart.x.scale == "linear":
         axes.margins(x=0.01)
     if key and chart.key:
-        small_title(axes, chart.key)
-
-
-def small_title(axes: Axes, text: str) -> None:
-    """The meaning of colours, above a panel without a legend."""
-    size = 0.85 * float(mpl.rcParams["font.size"])
-    axes.set_title(text, fontsize=size, color="#4A525C", loc="right")
+        size = 0.85 * float(mpl.rcParams["font.size"])
+        axes.set_title(chart.key, fontsize=size, color="#4A525C", loc="right")
 
 
 def points_of(series: Binned) -> np.ndarray:
@@ -125,10 +118,8 @@ def worth_drawing(series: Binned, most: int) -> np.ndarray:
     """Indices of rows to draw as points: a regular selection of about `most`, and all far from their bin's mean."""
     size = len(series.mean)
     index = np.clip(np.searchsorted(series.edges, series.x, side="right") - 1, 0, size - 1)
-    far = (
-        np.abs(series.y - np.nan_to_num(series.mean)[index])
-        > SCREEN.distant * np.nan_to_num(series.spread)[index]
-    )
+    mean, spread = np.nan_to_num(series.mean)[index], np.nan_to_num(series.spread)[index]
+    far = np.abs(series.y - mean) > SCREEN.distant * spread
     far |= (series.y == series.y.max()) | (series.y == series.y.min())
     every = max(1, -(-len(series.x) // most))
     return np.flatnonzero(far | (np.arange(len(series.x)) % every == 0))
@@ -181,13 +172,8 @@ def _(series: Binned, pen: Pen) -> None:
     pen.axes.plot(series.x[drawn], series.y[drawn], ".", **dots)
     low, high = series.mean - series.spread, series.mean + series.spread
     pen.axes.fill_between(series.center, low, high, color=colour, alpha=0.16, linewidth=0.0)
-    means: Look = {
-        "color": colour,
-        "linewidth": 1.6 * pen.scale,
-        "marker": "o",
-        "markersize": 3.2 * pen.scale,
-    }
-    pen.axes.plot(series.center, series.mean, label=series.name, **means)
+    means: Look = {"color": colour, "linewidth": 1.6 * pen.scale, "markersize": 3.2 * pen.scale}
+    pen.axes.plot(series.center, series.mean, label=series.name, marker="o", **means)
 
 
 def _keep_errors_in_view(pen: Pen, binned: Sequence[Binned]) -> None:
@@ -288,12 +274,8 @@ def _draw_levels(pen: Pen, levels: Sequence[Levels], panel: Panel, x: Axis) -> N
         places = np.arange(len(series.values)) + SCREEN.bar * (i - (len(levels) - 1) / 2.0)
         known = np.isfinite(series.values)
         sizes = pen.y * series.values[known]
-        look: Look = {
-            "color": COLOURS[series.role],
-            "alpha": PALE.get(series.role, 1.0),
-            "label": series.name,
-        }
-        bars = pen.axes.barh(places[known], sizes, SCREEN.bar, **look)
+        look: Look = {"color": COLOURS[series.role], "alpha": PALE.get(series.role, 1.0)}
+        bars = pen.axes.barh(places[known], sizes, SCREEN.bar, label=series.name, **look)
         if series.texts:
             texts = [text for text, there in zip(series.texts, known, strict=True) if there]
             pen.axes.bar_label(bars, texts, padding=4 * scale, color=DARK)

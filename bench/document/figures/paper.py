@@ -114,10 +114,7 @@ def paper_figure(what: PaperFigure, width: float) -> Figure:
 
 
 def write_paper_figures(folder: Path, figures: Sequence[PaperFigure]) -> list[Path]:
-    """Write every figure as PDF and PNG in both widths, and its numbers as CSV; return the paths.
-
-    Each file is written whole or not at all.
-    """
+    """Write every figure as PDF and PNG in both widths, and its numbers as CSV, each whole; return the paths."""
     paths = []
     for what in figures:
         for width_name, width in WIDTHS.items():
@@ -214,9 +211,7 @@ def _current_numbers(trace: MotorSeries, unit: str) -> Columns:
 
 
 def panel(chart: Chart, height: float, *, number: int = 0, key: bool = True, **labels: str) -> PaperPanel:
-    """A panel of a chart. number: its index; height: mm; key: see `draw`; labels: axis labels and title, replacing the
-    chart's.
-    """
+    """A panel of a chart. number: its index; height: mm; key: see `draw`; labels: replace the chart's."""
 
     def drawn(axes: Axes) -> None:
         draw(axes, chart, PAPER.scale, panel=number, key=key)
@@ -240,21 +235,17 @@ def _against(name: str, charts: Mapping[str, Chart], head: str | None) -> PaperF
     for joint, chart in charts.items():
         x, error = head or chart.x.title, chart.y.title
         for series in _binned(chart):
-            drawn = points_of(series)
             columns: Columns = {
                 "direction": [series.name] * len(series.mean),
                 x: series.center.tolist(),
                 f"mean {error}": series.mean.tolist(),
                 f"standard deviation [{chart.y.unit}]": series.spread.tolist(),
-                "rows": [float(count) for count in series.count],
+                "rows": series.count.astype(float).tolist(),
             }
             means.append(_of_motor(joint, columns))
-            columns = {
-                "direction": [series.name] * len(drawn),
-                x: series.x[drawn].tolist(),
-                error: series.y[drawn].tolist(),
-            }
-            points.append(_of_motor(joint, columns))
+            drawn = points_of(series)
+            columns = {"direction": [series.name] * len(drawn), x: series.x[drawn].tolist()}
+            points.append(_of_motor(joint, {**columns, error: series.y[drawn].tolist()}))
     return PaperFigure(name, _panels(charts, CLOUD), {"": _joined(means), "_points": _joined(points)})
 
 

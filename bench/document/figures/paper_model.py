@@ -35,10 +35,7 @@ def gain_figure(result: Identification) -> PaperFigure:
 
 
 def diagnosis_figures(diagnosis: Diagnosis) -> list[PaperFigure]:
-    """Ladder, ranking, gains and parameters before and after, and the errors before and after.
-
-    If no effect was added, only the ranking.
-    """
+    """The ranking and, if an effect was added, ladder, gains, parameters and errors before and after."""
     ranking = _ranking(diagnosis)
     if not diagnosis.added:
         return [ranking]

@@ -1,6 +1,6 @@
 """A diagnosis in a terminal: the verdict in a few sentences, then the evidence for it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from rich.console import Console
 from rich.text import Text
@@ -25,6 +25,11 @@ from bench.document.terminal.identification import heading, section, sentences_l
 from bench.document.terminal.tables import printed
 from bench.effects.display_names import named_after, spoken
 
+EVIDENCE = (
+    "evidence: log-likelihood ratio on recordings that were not fitted, in nats (one is odds of e, 2.7, to 1); 10, "
+    "odds of 20,000 to 1, are strong"
+)
+
 
 def diagnosis_report(diagnosis: Diagnosis, console: Console, *, verbose: bool = False) -> None:
     """Print verdict, ladder, ranking, reasons, and the changes of gains and parameters, to fit the console's width.
@@ -41,36 +46,16 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console, *, verbose: bool = 
     section(console, "Ladder: error after each added effect", printed(ladder_table(diagnosis), width))
     ranked, left_out = _shown(diagnosis.ranking, verbose)
     section(console, "Ranking", printed(ranking_table(diagnosis, ranked), width))
-    console.print(
-        Text(
-            "evidence: log-likelihood ratio on recordings that were not fitted, in nats (one is odds of e, 2.7, to 1); "
-            "10, odds of 20,000 to 1, are strong",
-            "dim",
-        )
-    )
-    console.print(
-        Text("probability: that the effect is there, given that the catalogue holds what is there", "dim")
-    )
-    console.print(Text(something_else_words(diagnosis), "dim"))
-    if any(verdict.alternatives for verdict in diagnosis.ranking):
-        console.print(Text(INDISTINGUISHABLE, "dim"))
-    if diagnosis.missing:
-        console.print(Text("size: RMS torque of the effect, in brackets as a share of the motor's", "dim"))
-    if left_out:
-        names = ", ".join(spoken(verdict.effect) for verdict in left_out)
-        console.print(Text(f"not supported, too: {names}", "dim"))
+    for key in _keys(diagnosis, left_out):
+        console.print(Text(key, "dim"))
     if diagnosis.without_logs and diagnosis.missing:
         section(console, "With each log omitted", printed(without_logs_table(diagnosis), width))
     if len(diagnosis.sets) > 1:
         section(console, "Sets of effects, by probability", printed(sets_table(diagnosis), width))
-    explained = [
-        verdict
-        for verdict in ranked
-        if verbose or not diagnosis.missing or verdict.verdict != "not supported"
-    ]
-    section(
-        console, "Why", sentences_list([named_after(reason(diagnosis, verdict)) for verdict in explained])
-    )
+    every = verbose or not diagnosis.missing
+    explained = [verdict for verdict in ranked if every or verdict.verdict != "not supported"]
+    reasons = [named_after(reason(diagnosis, verdict)) for verdict in explained]
+    section(console, "Why", sentences_list(reasons))
     if diagnosis.added:
         if diagnosis.after.gains_fitted:
             gains = gains_before_after(diagnosis.before, diagnosis.after)
@@ -82,10 +67,22 @@ def diagnosis_report(diagnosis: Diagnosis, console: Console, *, verbose: bool = 
         if still:
             console.print(Text(f"{still} more move less", "dim"))
         section(console, "Effects of the model", printed(effects_table(diagnosis.after), width))
-    notes = list(dict.fromkeys(diagnosis.after.notes))
-    if notes:
+    if notes := list(dict.fromkeys(diagnosis.after.notes)):
         section(console, "Notes", sentences_list(notes))
     console.print()
+
+
+def _keys(diagnosis: Diagnosis, left_out: Sequence[EffectVerdict]) -> Iterator[str]:
+    """What the columns of the ranking mean, and its omitted effects."""
+    yield EVIDENCE
+    yield "probability: that the effect is there, given that the catalogue holds what is there"
+    yield something_else_words(diagnosis)
+    if any(verdict.alternatives for verdict in diagnosis.ranking):
+        yield INDISTINGUISHABLE
+    if diagnosis.missing:
+        yield "size: RMS torque of the effect, in brackets as a share of the motor's"
+    if left_out:
+        yield f"not supported, too: {', '.join(spoken(verdict.effect) for verdict in left_out)}"
 
 
 def _shown(

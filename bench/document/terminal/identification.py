@@ -6,6 +6,7 @@ from rich.console import Console, Group, RenderableType
 from rich.table import Table as Grid
 from rich.text import Text
 
+from bench.basics.plural import plural
 from bench.document.identification import (
     effects_table,
     errors_table,
@@ -20,7 +21,7 @@ from bench.document.table import Column, Table
 from bench.document.terminal.tables import POOR_STYLE, printed
 from bench.identification.decision import RULE
 from bench.identification.model_file import Comparison
-from bench.identification.result import CurrentSeries, Identification, ModelledRecording, Quantity
+from bench.identification.result import CurrentSeries, Identification, ModelledRecording
 from bench.residuals.residuals import WhereItFails
 from bench.residuals.side_by_side import SideBySide
 from bench.residuals.words import overlapping, where_sentences
@@ -47,14 +48,17 @@ def identification_report(
     facts = [
         f"estimator {result.method}",
         f"effects {', '.join(result.effects)}" if result.effects else "rigid bodies only",
-        f"{len(recordings)} recording{'s' if len(recordings) != 1 else ''}",
+        plural(len(recordings), "recording"),
         f"payload {', '.join(payloads)}" if payloads else "no payload",
     ]
     heading(console, result.robot, " · ".join(facts))
     remark = "" if result.gains_fitted else ", kept at their nominal values"
     section(console, f"Drive gains{remark}", printed(gains_table(result, truth), width))
     section(console, "Dynamic parameters", printed(parameters_table(result, truth), width))
-    _poor_line(console, list(result.parameters))
+    if poor := sum(map(is_poor, result.parameters)):
+        share = f"standard error above {100 * RULE.loose:.0f} % of the value"
+        text = f"! {poor} of {len(result.parameters)} poorly determined: {share}"
+        console.print(Text(text, POOR_STYLE))
     if result.left_out:
         console.print(Text(f"omitted because the data do not need them: {', '.join(result.left_out)}", "dim"))
     if result.effect_parameters:
@@ -64,7 +68,10 @@ def identification_report(
     else:
         section(console, ERRORS, printed(kept_errors_table(result.error, without_currents), width))
     if verbose:
-        section(console, "Groupings of the parameters", _groupings(result))
+        groupings = listing("", "dim")
+        for parameter in result.parameters:
+            groupings.add_row(Text(parameter.name), Text(parameter.grouping))
+        section(console, "Groupings of the parameters", groupings)
     console.print()
     console.print(Group(*(Text(line, "dim") for line in settings_lines(result))))
     if result.notes:
@@ -117,28 +124,12 @@ def listing(*styles: str) -> Grid:
     return grid
 
 
-def _groupings(result: Identification) -> Grid:
-    """The grouping of every base and payload parameter, in full."""
-    grid = listing("", "dim")
-    for parameter in result.parameters:
-        grid.add_row(Text(parameter.name), Text(parameter.grouping))
-    return grid
-
-
 def _errors_section(console: Console, series: Sequence[CurrentSeries], joints: Sequence[str]) -> None:
     """Print the errors; if not all motors fit into the width, they have a separate table."""
     table = printed(errors_table(series, joints), console.width)
     section(console, ERRORS, table)
     if len(joints) > 1 and len(table.columns) <= 4:
         section(console, "The same by motor", printed(motor_errors_table(series, joints), console.width))
-
-
-def _poor_line(console: Console, quantities: Sequence[Quantity]) -> None:
-    poor = sum(is_poor(quantity) for quantity in quantities)
-    if poor:
-        share = f"standard error above {100 * RULE.loose:.0f} % of the value"
-        text = f"! {poor} of {len(quantities)} poorly determined: {share}"
-        console.print(Text(text, POOR_STYLE))
 
 
 def where_report(where: WhereItFails, console: Console) -> None:
@@ -165,11 +156,8 @@ def motors_table(where: WhereItFails) -> Table:
         Column("first third", [motor.warm_up[0].error for motor in motors], "share", 1),
         Column("last third", [motor.warm_up[1].error for motor in motors], "share", 1),
     ]
-    if len(loads) > 1:
-        columns += [
-            Column(load, [motor.by_load[k].error for motor in motors], "share", 2)
-            for k, load in enumerate(loads)
-        ]
+    for k, load in enumerate(loads if len(loads) > 1 else ()):
+        columns.append(Column(load, [motor.by_load[k].error for motor in motors], "share", 2))
     return Table(tuple(columns))
 
 

@@ -39,7 +39,10 @@ def robot_report(report: RobotReport, console: Console, *, verbose: bool = False
     if report.base is not None:
         title = f"Base parameters: {len(report.base.names)}"
         if verbose:
-            section(console, title, base_grid(report))
+            grid, base = listing("", "dim", "dim"), report.base
+            for name, unit, grouping in zip(base.names, base.units, base.descriptions, strict=True):
+                grid.add_row(Text(name), pretty_unit(unit), Text(grouping))
+            section(console, title, grid)
         else:
             console.print()
             console.print(Text.assemble((title, "bold"), ("  (--verbose lists them)", "dim")))
@@ -116,17 +119,6 @@ def checks_grid(checks: tuple[Check, ...]) -> Grid:
         mark, style = MARKS[check.verdict]
         detail_style = "dim" if check.verdict == "ok" else style
         grid.add_row(Text(mark, style), Text(name_of(check)), Text(detail_of(check), detail_style))
-    return grid
-
-
-def base_grid(report: RobotReport) -> Grid:
-    """Every base parameter with its grouping."""
-    grid = listing("", "dim", "dim")
-    if report.base is not None:
-        for name, unit, grouping in zip(
-            report.base.names, report.base.units, report.base.descriptions, strict=True
-        ):
-            grid.add_row(Text(name), pretty_unit(unit), Text(grouping))
     return grid
 
 

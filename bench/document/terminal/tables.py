@@ -9,6 +9,7 @@ from rich import box
 from rich.cells import cell_len
 from rich.text import Text
 
+from bench.basics.plural import plural
 from bench.document.layout import TEXT
 from bench.document.numbers import GIVEN, quantity_parts, rounded_terms
 from bench.document.table import RIGHT, Column, Table
@@ -48,9 +49,9 @@ class Fit:
     room: int
 
 
-def fit_strips(strips: Sequence[Strip], width: int, gaps: Sequence[int] = TEXT.gaps) -> Fit:
+def fit_strips(strips: Sequence[Strip], width: int) -> Fit:
     """Narrow the gaps, then omit the strips of the highest rank, until all fit into `width` or only rank 0 remains."""
-    fitting = list(strips)
+    fitting, gaps = list(strips), TEXT.gaps
     while fitting:
         total = sum(strip.width for strip in fitting)
         gap = next((gap for gap in gaps if total + gap * (len(fitting) - 1) <= width), gaps[-1])
@@ -69,16 +70,14 @@ def printed(table: Table, width: int = TEXT.width) -> rich.table.Table:
         if column.kind == "bar":
             room = width - sum(strip.width for strip in strips) - 2 * len(strips)
             length = max(min(room, TEXT.bar), TEXT.least_bar)
-            strips.append(
-                Strip(column.header, [bar(share, length) for share in column.cells], rank=column.rank)
-            )
+            bars = [bar(share, length) for share in column.cells]
+            strips.append(Strip(column.header, bars, rank=column.rank))
         elif column.kind == "terms":
             fit = fit_strips(strips, width)
             room = fit.room - fit.gap
             if room >= TEXT.terms and any(column.cells):
-                strips.append(
-                    Strip(column.header, [shortened(cell, room) for cell in column.cells], style="dim")
-                )
+                terms = [shortened(cell, room) for cell in column.cells]
+                strips.append(Strip(column.header, terms, style="dim"))
     return _rich(fit_strips(strips, width), table)
 
 
@@ -98,9 +97,8 @@ def _rich(fit: Fit, table: Table) -> rich.table.Table:
         grid.add_column(
             Text(strip.header), justify=strip.justify, style=strip.style, no_wrap=whole, overflow="fold"
         )
-    for row, (mark, *cells) in enumerate(
-        zip(table.mark_of_rows, *(part.cells for part in fit.strips), strict=True)
-    ):
+    rows = zip(table.mark_of_rows, *(part.cells for part in fit.strips), strict=True)
+    for row, (mark, *cells) in enumerate(rows):
         grid.add_row(*map(Text, cells), style=STYLES[mark], end_section=row in table.ends)
     return grid
 
@@ -111,13 +109,8 @@ def _strip(column: Column) -> Strip:
         texts = _aligned(column)
     if column.kind == "deviation":
         texts = [f"{'! ' if poor else ''}{text}" for text, poor in zip(texts, column.poor, strict=True)]
-    return Strip(
-        column.header,
-        texts,
-        "right" if column.kind in RIGHT else "left",
-        column.rank,
-        folds=column.kind == "sentence",
-    )
+    justify: Literal["left", "right"] = "right" if column.kind in RIGHT else "left"
+    return Strip(column.header, texts, justify, column.rank, folds=column.kind == "sentence")
 
 
 def _aligned(column: Column) -> list[str]:
@@ -146,4 +139,4 @@ def shortened(terms: Sequence[str], room: int) -> str:
             text = " ".join(terms[:count]) + ending
             if len(text) <= room:
                 return text
-    return f"{len(terms)} more term{'s' if len(terms) > 1 else ''}" if terms else ""
+    return plural(len(terms), "more term") if terms else ""

@@ -1,7 +1,7 @@
 """The data of the workbench: equations of the fitted and of the held-out rows, and a sample of the recordings."""
 
 import base64
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -23,7 +23,6 @@ from bench.effects.display_names import spoken
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import with_effects
 from bench.identification.problem import Problem
-from bench.identification.result import Identification
 from bench.page.workbench.system import DiagnosedModel, PageSystem, build, diagnosed_model
 
 MOST_BYTES = 1_400_000  # of all triangular factors together
@@ -82,7 +81,7 @@ def without_room(system: PageSystem, ranks: Mapping[str, int]) -> frozenset[str]
 
 def carried_columns(system: PageSystem, without: Collection[str]) -> np.ndarray:
     """Which columns the page has for each motor (n, C): those that are not zero there, except effects in `without`."""
-    kept = system.filled()
+    kept = np.asarray(system.columns.any(axis=0))
     for start, stop, instance in zip(system.starts, system.starts[1:], system.effects, strict=False):
         if instance.name in without:
             kept[:, start:stop] = False
@@ -106,12 +105,12 @@ def thinned(model: DiagnosedModel, system: PageSystem, kept: np.ndarray) -> list
     wanted = BYTES / (2 * sum(len(values) for values in used) * len(lengths))
     step = max(1, int(np.ceil(max(lengths) / min(max(wanted, FEWEST), MOST))))
     samples, start = [], 0
-    for observation in model.plain.observations:
-        rows = start + np.arange(step // 2, len(observation.time), step)
-        edges = np.arange(0, len(observation.time), step)
+    for log in model.plain.observations:
+        count = len(log.time)
+        rows, edges = start + np.arange(step // 2, count, step), np.arange(0, count, step)
         motors = []
         for j, columns in enumerate(used):
-            measured, modelled = observation.current[:, j], (system.measured - system.error)[rows, j]
+            measured, modelled = log.current[:, j], (system.measured - system.error)[rows, j]
             moving = system.moving[rows, j]
             motors.append(
                 {
@@ -123,18 +122,9 @@ def thinned(model: DiagnosedModel, system: PageSystem, kept: np.ndarray) -> list
                     "high": floats(np.maximum.reduceat(measured, edges)[: len(rows)]),
                 }
             )
-        samples.append(
-            {
-                "name": observation.name,
-                "use": observation.use,
-                "payload": observation.payload_name,
-                "rows": len(observation.time),
-                "step": step,
-                "time": floats(observation.time[rows - start]),
-                "motors": motors,
-            }
-        )
-        start += len(observation.time)
+        about = {"name": log.name, "use": log.use, "payload": log.payload_name, "rows": count, "step": step}
+        samples.append({**about, "time": floats(log.time[rows - start]), "motors": motors})
+        start += count
     return samples
 
 
@@ -186,7 +176,7 @@ def page_data(problem: Problem, diagnosis: Diagnosis) -> dict[str, Any]:
         "version": VERSION,
         "robot": robot.name,
         "held_out": diagnosis.held_out,
-        "fits_gains": model.fit_gains,
+        "fits_gains": model.plain.fit_gains,
         "noise_floor": diagnosis.unexplained.noise_floor,
         "motors": [_motor(model, system, kept, j) for j in range(len(robot.actuators))],
         "rows": int(system.fitted.sum()),
@@ -212,12 +202,10 @@ def with_command(data: dict[str, Any], command: str, model: dict[str, Any] | Non
 
 def _usable(model: DiagnosedModel, diagnosis: Diagnosis, known: Mapping[str, Effect]) -> dict[str, Effect]:
     """Effects that can be selected: identified, or judged and not absorbed; not those with a value per recording."""
-    given = {
-        instance.name for instance in model.plain.effects
-    }  # their columns belong to the model, as those of the rigid bodies
-    fitted = {instance.name for instance in model.effects}
     shown = {verdict.effect for verdict in diagnosis.ranking if verdict.verdict != "absorbed"}
-    return {name: effect for name, effect in known.items() if name not in given and name in fitted | shown}
+    shown |= {instance.name for instance in model.effects}
+    shown -= {instance.name for instance in model.plain.effects}  # their columns belong to the model
+    return {name: effect for name, effect in known.items() if name in shown}
 
 
 def _ranks(model: DiagnosedModel, diagnosis: Diagnosis) -> dict[str, int]:
@@ -273,16 +261,17 @@ def _parameters(model: DiagnosedModel, diagnosis: Diagnosis) -> list[dict[str, s
 
 def _deviations(model: DiagnosedModel, diagnosis: Diagnosis) -> list[dict[str, Any]]:
     """Standard errors of the gains of the diagnosis's models, after and before, with the effects of each."""
-
-    def of(result: Identification, effects: Sequence[tuple[str, str]]) -> dict[str, Any]:
-        stds = [
-            gain.std if np.isfinite(gain.std) else None
-            for gain in (result.drive_gains[joint] for joint in result.joints)
-        ]
-        return {"effects": [list(effect) for effect in effects], "gains": stds}
-
-    places = [instance.seat for instance in model.effects]
-    return [of(diagnosis.after, places), of(diagnosis.before, model.started)]
+    both = (
+        (diagnosis.after, [instance.seat for instance in model.effects]),
+        (diagnosis.before, model.started),
+    )
+    return [
+        {
+            "effects": [list(effect) for effect in effects],
+            "gains": finite([result.drive_gains[joint].std for joint in result.joints]),
+        }
+        for result, effects in both
+    ]
 
 
 def _effect(
@@ -306,11 +295,8 @@ def _place(model: DiagnosedModel, system: PageSystem, i: int, instance: EffectIn
     robot = model.plain.dataset.robot
     names = list(robot.joints)
     joint = names.index(instance.joint) if instance.joint in names else -1
-    rotates = {
-        geometry_joint.name: geometry_joint.kind != "slide"
-        for geometry_joint in model.plain.model.geometry.joints
-    }
-    turning = rotates.get(instance.joint, True)
+    slides = {joint.name for joint in model.plain.model.geometry.joints if joint.kind == "slide"}
+    turning = instance.joint not in slides
     drive = drive_unit(robot.actuators[joint].gain_unit) if joint >= 0 else "A"
     shape = effect.shape_values()
     return {
@@ -319,15 +305,10 @@ def _place(model: DiagnosedModel, system: PageSystem, i: int, instance: EffectIn
         "stop": system.starts[i + 1],
         "curved": bool(effect.shape or effect.depends_on_model or effect.about_values()),
         "parameters": [
-            {"name": parameter.name, "unit": parameter.unit_at(turning, drive)}
-            for parameter in effect.parameters
+            {"name": entry.name, "unit": entry.unit_at(turning, drive)} for entry in effect.parameters
         ],
         "shape": [
-            {
-                "name": parameter.name,
-                "unit": parameter.unit_at(turning, drive),
-                "value": float(shape[parameter.name]),
-            }
-            for parameter in effect.shape
+            {"name": entry.name, "unit": entry.unit_at(turning, drive), "value": float(shape[entry.name])}
+            for entry in effect.shape
         ],
     }

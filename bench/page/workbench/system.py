@@ -11,7 +11,6 @@ from bench.diagnosis.split import with_held_out_parts
 from bench.effects import EffectInstance, places_in, select_effects
 from bench.effects.select import TAG
 from bench.identification.by_recording import columns_without_value
-from bench.identification.effect_columns import PresentModel
 from bench.identification.effect_rows import effect_rows
 from bench.identification.layout import known_rows, regressor_rows
 from bench.identification.nonlinear import present_model
@@ -24,10 +23,8 @@ from bench.identification.solve_only import solved_quickly
 from bench.identification.summary import ROBOT
 
 HARDLY = 1e-8  # of the largest singular value: directions below it are not scaled to unit size
-NEAR, TOO_NEAR = (
-    0.1,
-    1e-4,
-)  # bounds of the residual of an effect's column on the model's, relative to the column, that replaces the column
+# bounds of the residual of an effect's column on the model's, relative to the column, that replaces the column
+NEAR, TOO_NEAR = 0.1, 1e-4
 
 
 @dataclass(frozen=True)
@@ -43,11 +40,6 @@ class DiagnosedModel:
     started: tuple[tuple[str, str], ...]
 
     @property
-    def fit_gains(self) -> bool:
-        """Whether drive gains are unknowns."""
-        return self.plain.fit_gains
-
-    @property
     def effects(self) -> tuple[EffectInstance, ...]:
         """The identified effects, without those that the page does not change."""
         return self.complete.effects[len(self.plain.effects) :]
@@ -58,9 +50,7 @@ class DiagnosedModel:
 
 
 def diagnosed_model(problem: Problem, diagnosis: Diagnosis) -> DiagnosedModel:
-    """Prepare the equations of a problem's diagnosis again, with its filters, and with its held-out parts if no
-    recording is for validation.
-    """
+    """Prepare the equations of a problem's diagnosis again, with its filters and its held-out parts, if any."""
     dataset, _ = with_held_out_parts(problem.dataset)
     problem = replace(problem, dataset=dataset, filters=diagnosis.before.settings)
     before, after, catalogue = diagnosis.before, diagnosis.after, problem.catalogue
@@ -72,7 +62,12 @@ def diagnosed_model(problem: Problem, diagnosis: Diagnosis) -> DiagnosedModel:
     given, instances = (
         tuple(_with_values(after, instance) for instance in some) for some in (given, instances)
     )
-    present = _present(plain, after)
+    gains = np.array([after.drive_gains[joint].value for joint in after.joints])
+    extra = plain.dataset.robot.redundant[: plain.layout.redundant]
+    changes = [after.drive_gains[actuator.joint].value - actuator.gain for actuator in extra]
+    theta = np.array([*(parameter.value for parameter in after.parameters), *changes])
+    identified = Solution(theta, gains, np.ones(len(gains)), "current", after.gains_fitted)
+    present = present_model(plain, identified)
     plain = with_effects(plain, given, present)
     complete = with_effects(plain, (*given, *instances), present)
     _, solution = solved_quickly(complete)
@@ -101,15 +96,6 @@ def _with_values(result: Identification, instance: EffectInstance) -> EffectInst
     effect = replace(instance.effect, **shapes) if shapes else instance.effect
     linear = {parameter.name: values[parameter.name].value for parameter in effect.parameters}
     return replace(instance, effect=effect.about(linear))
-
-
-def _present(plain: Prepared, result: Identification) -> PresentModel:
-    """The identified model, in the form in which effects use it."""
-    gains = np.array([result.drive_gains[joint].value for joint in result.joints])
-    extra = plain.dataset.robot.redundant[: plain.layout.redundant]
-    changes = [result.drive_gains[actuator.joint].value - actuator.gain for actuator in extra]
-    theta = np.array([*(parameter.value for parameter in result.parameters), *changes])
-    return present_model(plain, Solution(theta, gains, np.ones(len(gains)), "current", result.gains_fitted))
 
 
 def set_apart(
@@ -165,28 +151,16 @@ class PageSystem:
     fitted: np.ndarray
     basis: np.ndarray
 
-    def filled(self) -> np.ndarray:
-        """Which columns are not zero at each motor (n, C)."""
-        return np.asarray(self.columns.any(axis=0))
-
 
 def build(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: Nearby) -> PageSystem:
     """The system of a model with the columns of these effects, including the identified ones. nearby: of `model`."""
     plain = model.plain
-    moving = np.concatenate([observation.moving for observation in plain.observations])
-    fitted = np.concatenate(
-        [np.full(len(observation.time), observation.use == "identify") for observation in plain.observations]
-    )
-    known = (
-        np.concatenate(
-            [known_rows(observation, plain.dataset.payloads) for observation in plain.observations]
-        )
-        * moving
-    )
-    current = np.concatenate([observation.current for observation in plain.observations]) * moving
-    base_rows = np.concatenate(
-        [regressor_rows(observation, plain.layout) for observation in plain.observations]
-    )
+    logs, payloads = plain.observations, plain.dataset.payloads
+    moving = np.concatenate([log.moving for log in logs])
+    fitted = np.concatenate([np.full(len(log.time), log.use == "identify") for log in logs])
+    known = np.concatenate([known_rows(log, payloads) for log in logs]) * moving
+    current = np.concatenate([log.current for log in logs]) * moving
+    base_rows = np.concatenate([regressor_rows(log, plain.layout) for log in logs])
     columns = np.concatenate((base_rows, _added(model, instances, nearby)), axis=2) * moving[:, :, None]
     starts = np.cumsum([base_rows.shape[2], *(len(instance.effect.parameters) for instance in instances)])
     reference = _reference(model, instances, starts)
@@ -233,12 +207,8 @@ def _added(model: DiagnosedModel, instances: Sequence[EffectInstance], nearby: N
     complete, decimation = model.complete, model.complete.settings.decimation
     near = nearby.signals(complete.present, complete.signals)
     exact = [instance for instance in instances if instance in model.effects]
-    as_fitted = np.concatenate(
-        [
-            np.zeros(0, bool),
-            *(np.full(len(instance.effect.parameters), instance in exact) for instance in instances),
-        ]
-    )
+    columns = [instance for instance in instances for _ in instance.effect.parameters]
+    as_fitted = np.array([instance in exact for instance in columns], dtype=bool)
     rows = []
     for signals, nearly in zip(complete.signals, near, strict=True):
         added = effect_rows(nearly, decimation, instances)
