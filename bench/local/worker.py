@@ -72,11 +72,21 @@ class Worker:
                     self._busy = False
 
     def cancel(self) -> None:
-        """End the process if it is busy, without half-written files. The running call raises CancelledError."""
+        """End the process if it is busy, without half-written files. The running call raises CancelledError.
+
+        It is asked again after GRACE, since code that catches all exceptions loses the one that ends the process.
+        """
         with self._changing:
-            if self._process is not None and self._busy:
+            if self._process is not None and self._busy and self._process.is_alive():
                 self._cancelled = True
                 self._process.terminate()
+                again = threading.Timer(GRACE, self._cancel_again, (self._process,))
+                again.daemon = True
+                again.start()
+
+    def _cancel_again(self, process: Any) -> None:
+        if self._process is process and self._cancelled:
+            self.cancel()
 
     def close(self) -> None:
         """End the process for good; a waiting call raises CancelledError."""
