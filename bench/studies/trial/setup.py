@@ -37,7 +37,8 @@ class Setup:
     name: of the robot. content: of a scenario file without hidden effects. motors: actuated joints. passive: joints
     without a motor. links: joint -> body that it moves, only for bodies that extend in one direction, so that a
     longer link is unambiguous. effects: names of all effects that can be hidden in this robot, including those
-    outside the catalogue. slides: joints that slide. discover: whether to search for laws even if nothing remains unexplained.
+    outside the catalogue. slides: joints that slide. discover: whether to search for laws even if nothing remains
+    unexplained.
     """
 
     name: str
