@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.identification import standard_errors
 from bench.identification.compressed import Stack, compress
 from bench.identification.identify import identify
 from bench.identification.model_json import from_json, to_json
@@ -128,6 +129,25 @@ def test_errors_that_return_with_the_state_are_not_taken_for_noise():
     without, with_states = (float(np.sqrt(np.mean(np.square(ratios[known])))) for known in ratios)
     assert without > 10.0
     assert 0.7 < with_states < 2.0
+
+
+def test_an_error_that_changes_with_time_does_not_hide_one_of_the_position(monkeypatch):
+    """Every scatter is compared with noise, so that their order does not matter."""
+    random = np.random.default_rng(5)
+    scatters = standard_errors._scatters
+    for _ in range(20):
+        position, other = random.uniform(-1.0, 1.0, (ROWS, 1)), random.normal(size=(ROWS, 1))
+        jacobian = np.hstack((position, position**2, other))
+        of_position = random.normal(size=8)[np.floor(4.0 * (position[:, 0] + 1.0)).astype(int)]
+        of_time = np.repeat(random.normal(size=8), ROWS // 8) * other[:, 0]
+        error = 0.5 * of_position + of_time + random.normal(size=ROWS)
+        stds = []
+        for order in (1, -1):
+            monkeypatch.setattr(
+                standard_errors, "_scatters", lambda *a, order=order, **k: scatters(*a, **k)[::order]
+            )
+            stds.append(stated(jacobian, error, (Course(position),)))
+        assert np.allclose(*stds, rtol=1e-12)
 
 
 def test_few_errors_that_follow_each_other_are_as_uncertain_as_they_say():

@@ -86,8 +86,9 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
     omitted, with variances of zero.
 
     If the estimate scatters more between parts of the recordings than autocorrelated noise explains, the model is
-    wrong, and the deviations are those of the scatter wherever these are larger. "serial": parts in time only, not in
-    positions or velocities.
+    wrong, and the deviations are those of the scatter wherever these are larger. Every scatter (between stretches of
+    time, positions, velocities) is compared with noise alone: an error that depends on the position would otherwise
+    count only if it exceeded one that changes with time. "serial": parts in time only, not in positions or velocities.
     """
     if solution.transform is not None:
         stack = solution.transform(stack)
@@ -120,8 +121,9 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
         middle = inverse @ _score(stack, solution, residual, returns, seen, lengths) @ inverse
         middle *= _small_sample(float((middle * (unit.T @ unit)).sum()), float((residual**2).sum()), size)
         with_states = bool(stack.courses) and deviations != "serial"
+        noise = middle
         for scatter in _scatters(stack, solution, residual, seen, lengths, with_states=with_states):
-            if scatter is not None and scatter.beyond(middle):
+            if scatter is not None and scatter.beyond(noise):
                 middle, std_from = _enlarged(middle, scatter.stated), "blocks"
     covariance = np.zeros((stack.phi.shape[2] + len(solution.gains),) * 2)
     covariance[np.ix_(seen, seen)] = middle / np.outer(lengths, lengths)
