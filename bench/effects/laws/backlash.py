@@ -7,8 +7,9 @@ import numpy as np
 
 from bench.basics.interpolation import cubic_spline
 from bench.effects.effect import Bracket, Effect, EffectParameter, JointSamples, ShapeParameter
+from bench.effects.likely_play import likely_play
 from bench.effects.motor_link_difference import ORDER, rates_behind, slopes
-from bench.effects.play import Flight, Load, likely_play
+from bench.effects.play import Flight, Load
 from bench.effects.secant import secant
 from bench.effects.signals import OVERSAMPLING, WIDER, RobotSignals
 from bench.signals.filtering import low_pass
@@ -23,10 +24,10 @@ class Backlash(Effect):
     """The link lies on a flank of the play b until its load changes sign, then crosses the gap and stays on the other.
 
     The column is the change of the model's torque when the link lags the motor, whose position was logged, by that way;
-    an impact is a jump of its velocity. Valid for teeth that are stiff and do not rebound, since a rotor that is light
-    and held by its controller gives way; a compliance of the flanks is `drive_flexibility`. Under a load that never
-    changes its sign, it is an encoder offset, and rotor and drag have no effect. Source: Nordin and Gutman, "Controlling
-    mechanical systems with backlash: a survey", Automatica 38(10), 2002.
+    an impact is a jump of its velocity. Valid for stiff teeth that do not rebound, since the rotor gives way in the
+    logged motion; a compliance of the flanks is `drive_flexibility`. Under a load that never changes its sign, it is an
+    encoder offset, and rotor and drag have no effect. Source: Nordin and Gutman, "Controlling mechanical systems with
+    backlash: a survey", Automatica 38(10), 2002.
     """
 
     name = "backlash"
@@ -46,8 +47,8 @@ class Backlash(Effect):
     in_key = ("is short impacts where the torque of the motor changes its sign",)
     parameters = (EffectParameter("b", "{angle}", positive=True),)
     shape = (
-        ShapeParameter("Ia", "{effort}*s^2/{angle}", (0.0,)),
-        ShapeParameter("c", "{effort}*s/{angle}", (0.0,)),
+        ShapeParameter("Ia", "{effort}*s^2/{angle}", (0.0, 1.0)),
+        ShapeParameter("c", "{effort}*s/{angle}", (0.0, 1.0)),
     )
     depends_on_model = True
     every_sample = True
@@ -62,7 +63,8 @@ class Backlash(Effect):
         by_motion, load = slopes(robot, joint), Load.of(robot, joint)
         if not load.mean > 0.0:
             return np.zeros((len(robot.time), len(robot.joints), 1))
-        flight = Flight.under(_finer(load), self.Ia, self.c)
+        rotor = min(max(self.Ia, 0.0), load.mean)
+        flight = Flight.under(_finer(load), rotor, self.c)
         cutoff = WIDER / OVERSAMPLING / load.interval
 
         def change(play: float) -> np.ndarray:
@@ -71,7 +73,7 @@ class Backlash(Effect):
                 lag = low_pass(lag, 1.0 / flight.interval, cutoff, ORDER)
             rates = rates_behind(robot, lag[::FINER])
             changed = -np.einsum("okn,ok->kn", by_motion, rates)
-            changed[:, at] += self.Ia * rates[2]
+            changed[:, at] += rotor * rates[2]
             return robot.refined(changed)
 
         return secant(robot, max(self.b, 0.0), SMALLEST, LARGEST, change)
@@ -104,4 +106,5 @@ def _finer(load: Load) -> Load:
     interval = load.interval / FINER
     given = np.stack((load.torque, load.acceleration, load.inertia), axis=1)
     fine = cubic_spline(time, given)(interval * np.arange((len(time) - 1) * FINER + 1))
-    return Load(*fine.T, interval)
+    torque, acceleration, inertia = fine.T
+    return Load(torque, acceleration, inertia, interval)
