@@ -175,7 +175,7 @@ class Effect(ABC):
         return replace(self, **known) if known else self
 
     def starts(self, robots: Sequence[RobotSignals], joint: str) -> tuple[Self, ...]:  # noqa: ARG002 - by default as it is
-        """The effect, and the same linearised about further starting values of a search."""
+        """The effect, and the same about further starting values of a search; robots: the fitted recordings."""
         return (self,)
 
     def about_values(self) -> dict[str, float]:

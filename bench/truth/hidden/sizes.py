@@ -145,10 +145,16 @@ def backlash_size(reference: Reference, effect: str, joint: str | None, share: f
 
 
 def play_sizes(reference: Reference, j: JointMovement, play: float) -> Sizes:
-    """Parameters of a play whose flanks deflect by a tenth of it, or more if the step requires less stiffness."""
+    """Parameters of a play whose flanks deflect by a tenth of it, or more if the step requires less stiffness.
+
+    Rotor and link swing on the flank against each other: with their reduced inertia, which is below that of the lighter
+    one (a link of a wrist), and a tenth of the critical damping.
+    """
     step, rotor = reference.simulation.scenario.settings.step, _rotor_of(j)
-    stiffness = min(10 * rms(j.torque) / play, 0.2 * (rotor + j.armature) / step**2)
-    damping = 0.2 * np.sqrt(stiffness * (rotor + j.armature))
+    light, heavy = sorted((rotor + j.armature, j.inertia - j.armature))
+    reduced = heavy * light / (heavy + light) if light > 0 else heavy
+    stiffness = min(10 * rms(j.torque) / play, 0.2 * reduced / step**2)
+    damping = 0.2 * np.sqrt(stiffness * reduced)
     return _rotor({"play": play, "stiffness": stiffness, "damping": damping}, rotor)
 
 
