@@ -48,8 +48,8 @@ class LikelyPlay:
 def likely_play(robots: Sequence[RobotSignals], joint: str) -> LikelyPlay:
     """The play, rotor and drag with which a link's way through the play explains most of its motor's error.
 
-    The play is zero if the link never changes its flank or that explains nothing; then the rotor is one with which it
-    does not change its flank, if there is one.
+    Play and drag are zero if the link never changes its flank or that explains nothing; the rotor is then the one with
+    which it is farthest from that.
     """
     search = PlaySearch(tuple(MotorError.of(robot, joint) for robot in robots), robots[0].joints[joint].band)
     if not (search.inertia > 0.0 and search.power > 0.0):
@@ -153,11 +153,14 @@ class PlaySearch:
         return PlayGuess(play, rotor, drag, self.flights(rotor, drag))
 
     def without_crossing(self) -> LikelyPlay:
-        """No play, and the middle one of the rotors with which the link does not change its flank."""
+        """No play and no drag, and the rotor with which the loads are farthest from a change of sign."""
         rotors = [share * self.inertia for share in GRID.rotors]
-        still = [rotor for rotor in rotors if not self.flights(rotor, 0.0)] or rotors[:1]
-        rotor = still[len(still) // 2]
-        return LikelyPlay(0.0, rotor, GRID.drags[0] * (self.inertia - rotor) * self.band)
+        return LikelyPlay(0.0, max(rotors, key=self._margin), 0.0)
+
+    def _margin(self, rotor: float) -> float:
+        """The least load on the flank that mostly carries it, N*m or N; negative if the link changes its flank."""
+        loads = [each.load.torque - rotor * each.load.acceleration for each in self.seen]
+        return min(float((load * np.sign(load.mean())).min()) for load in loads)
 
 
 @dataclass(frozen=True)

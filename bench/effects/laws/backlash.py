@@ -95,9 +95,9 @@ class Backlash(Effect):
         parameter: ShapeParameter,
         samples: Sequence[JointSamples],  # noqa: ARG002
     ) -> tuple[Bracket, ...]:
-        """A range around the present value."""
-        value = self.shape_values()[parameter.name]
-        return ((value / REACH, value, value * REACH),)
+        """A range around the present value; none without drag, since the link then never crossed the gap."""
+        value, reach = self.shape_values()[parameter.name], REACH if self.c > 0.0 else 1.0
+        return ((value / reach, value, value * reach),)
 
 
 def _finer(load: Load) -> Load:
