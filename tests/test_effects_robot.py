@@ -14,7 +14,7 @@ from bench.effects.laws.drive_flexibility import deflection
 from bench.effects.signals import UNCHANGED, Changed, RobotSignals
 from bench.effects.tool_motion import tool_motion, tool_of
 from bench.identification import perturbed_observation
-from bench.identification.effect_columns import robot_signals
+from bench.identification.effect_columns import PresentModel, robot_signals
 from bench.model.follow import build_tree
 from bench.model.geometry import read_geometry
 from bench.model.model import IdentificationModel
@@ -209,6 +209,29 @@ def link_behind(
     return robot.tree, motion_of(model.geometry, robot.time, *shifted)
 
 
+def inertia_at(robot: RobotSignals, model: IdentificationModel, present: PresentModel) -> np.ndarray:
+    """The inertia (N,) that the second motor turns."""
+    pushed = robot.acceleration + np.eye(len(robot.joints))[1]
+    faster = motion_of(model.geometry, robot.time, robot.position, robot.velocity, pushed)
+    return (rigid_torque(model, present, model.geometry, faster) - robot.torque())[:, 1]
+
+
+def way_through_play(time: np.ndarray, pushed: np.ndarray, play: float) -> np.ndarray:
+    """What a link lags when nothing but its load moves it between two flanks, in steps of a fiftieth of a sample."""
+    fine = np.linspace(time[0], time[-1], 50 * (len(time) - 1) + 1)
+    step, curve = fine[1] - fine[0], CubicSpline(time, pushed)(fine)
+    side = np.sign(curve[0])
+    place, speed, lag = 0.5 * play * side, 0.0, np.empty(len(fine))
+    for i, push in enumerate(curve):
+        touching = abs(place) >= 0.5 * play
+        speed = 0.0 if touching and push * place > 0.0 else speed + step * push
+        place = float(np.clip(place + step * speed, -0.5 * play, 0.5 * play))
+        if abs(place) >= 0.5 * play and speed * place > 0.0:
+            speed = 0.0
+        lag[i] = place
+    return lag[::50]
+
+
 @pytest.mark.parametrize(
     ("robot_name", "size", "swinging"), [("five_bar", 0.3, 1e-3), ("orthoglide", 0.15, 5e-3)]
 )
@@ -223,17 +246,14 @@ def test_encoder_offset_flexibility_and_backlash_move_the_link(
     monkeypatch.setattr("bench.effects.laws.drive_flexibility.motion_cutoff", lambda robot, joint: None)
     whole = columns_at(robot, "drive_flexibility", joint, C=compliance)[200:-200, :, 0]
     assert np.sqrt(np.mean((smoothed - whole) ** 2) / np.mean(whole**2)) < 0.01
-    soft = 0.1 * np.sqrt((torque[:: robot.every] ** 2).mean())
+    inertia = inertia_at(robot, model, present)
     for name, value, behind, share in (
         ("encoder_offset", 0.004, np.full(len(torque), 0.004), 1e-4),
         ("drive_flexibility", compliance, compliance * torque, swinging),
-        ("backlash", 0.002, 0.001 * np.tanh(torque / soft), 0.05),
+        ("backlash", 0.002, way_through_play(robot.time, torque / inertia, 0.002), 0.05),
     ):
         logged, real = link_behind(robot, model, joint, behind)
         if name == "drive_flexibility":  # the link swings on the spring, see test_effects_on_spring.py
-            pushed = robot.acceleration + np.eye(len(robot.joints))[1]
-            faster = motion_of(model.geometry, robot.time, robot.position, robot.velocity, pushed)
-            inertia = (rigid_torque(model, present, model.geometry, faster) - robot.torque())[:, 1]
             interval = float(np.diff(robot.time).mean())
             swung = deflection(value * torque[:, None], interval, value * inertia, 0.06)[:, 0]
             logged, real = link_behind(robot, model, joint, swung)
@@ -323,7 +343,7 @@ def test_the_rotor_does_not_follow_its_link(name: str, tmp_path: Path) -> None:
     torque = np.abs(robot.coarse.torque).max()
     about = {
         "drive_flexibility": {"C": 1e-3 / torque, "CIa": 1e-3 / torque * 1e9},
-        "backlash": {"b": 1e-3, "r": 1.0},
+        "backlash": {"b": 1e-3, "Ia": 1e9},
     }
     rigid = {"drive_flexibility": {"C": 1e-3 / torque}, "backlash": {"b": 1e-3}}
     free = np.abs(columns_at(robot, name, joint, **about[name])[200:-200, :, 0]).max()

@@ -33,7 +33,10 @@ from bench.truth.hidden.laws.geometric_error import reach_of
 from tests.trial_rows import trial_row
 
 WITHOUT_TRUTH = {
-    "backlash": {"r"},
+    "backlash": {
+        "Ia",
+        "c",
+    },  # the rotor's inertia is partly in the MJCF; the drag of the machine acts in contact, too
     "drive_flexibility": {"zeta"},
     "passive_load_friction": {"mum"},  # a mass of which only the model's parameters tell what it means
     "passive_spring": {"kq0"},  # of springs whose joints move alike, where they are counted from differs

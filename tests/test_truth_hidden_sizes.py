@@ -8,7 +8,7 @@ import pytest
 from bench.basics.errors import BenchError
 from bench.truth.hidden import HIDDEN_EFFECTS, JointEffect
 from bench.truth.hidden.reference import Reference
-from bench.truth.hidden.sizes import MACHINE_SIZES, typical
+from bench.truth.hidden.sizes import MACHINE_SIZES, real_sizes, typical
 from bench.truth.inverse import motor_torque
 from tests import hidden_kit
 from tests.hidden_kit import BRIEF, SHORT, STEP, cart, measured_share
@@ -89,6 +89,16 @@ def test_a_larger_share_is_a_stronger_effect(effect):
     key = {"drive_flexibility": "stiffness", "geometric_error": "error", "viscous_friction": "Fv"}.get(effect)
     ratio = large[key] / small[key] if key else sum(large.values()) / sum(small.values())
     assert ratio == pytest.approx(0.25 if effect == "drive_flexibility" else 4, rel=0.1)
+
+
+def test_a_trial_hides_no_play_that_a_real_drive_cannot_have():
+    reference = reference_of("five_bar", recordings=ONE, step=STEP)
+    wide = typical("backlash", reference, 0.02, "left")
+    real = real_sizes("backlash", reference, "left", wide)
+    assert wide["play"] > real["play"] == 8.7e-3
+    assert real["stiffness"] * real["play"] == pytest.approx(wide["stiffness"] * wide["play"], rel=0.01)
+    assert real_sizes("backlash", reference, "left", real) == real
+    assert real_sizes("coulomb_friction", reference, "left", {"Fc": 1e3}) == {"Fc": 1e3}
 
 
 def test_an_offset_larger_than_the_movement_is_refused():

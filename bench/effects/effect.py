@@ -174,8 +174,8 @@ class Effect(ABC):
         known = {name: value for name, value in values.items() if name in field_names}
         return replace(self, **known) if known else self
 
-    def starts(self, robot: RobotSignals, joint: str) -> tuple[Self, ...]:  # noqa: ARG002 - by default as it is
-        """The effect, and the same linearised about further starting values of a search."""
+    def starts(self, robots: Sequence[RobotSignals], joint: str) -> tuple[Self, ...]:  # noqa: ARG002 - by default as it is
+        """The effect, and the same about further starting values of a search; robots: the fitted recordings."""
         return (self,)
 
     def about_values(self) -> dict[str, float]:

@@ -110,16 +110,16 @@ class DriveFlexibility(Effect):
             return np.zeros(columns.shape[:2])
         return np.asarray(change - columns @ values)
 
-    def starts(self, robot: RobotSignals, joint: str) -> tuple["DriveFlexibility", ...]:
+    def starts(self, robots: Sequence[RobotSignals], joint: str) -> tuple["DriveFlexibility", ...]:
         """A stiff drive, and compliances at which the link oscillates near the fit's band, the stiffest first.
 
         Above the oscillation's frequency the response has the other sign, so no step leads from a stiff drive to the
         right compliance.
         """
-        inertia = apparent_inertia(*torque_of_motor(robot, joint))
+        inertia = apparent_inertia(*torque_of_motor(robots[0], joint))
         if self.C > 0.0 or not inertia > 0.0:
             return (self,)
-        rates = 2.0 * np.pi * robot.joints[joint].band * np.array(SWINGS)
+        rates = 2.0 * np.pi * robots[0].joints[joint].band * np.array(SWINGS)
         return (self, *(replace(self, C=float(1.0 / (inertia * rate**2))) for rate in rates))
 
     def brackets(self, parameter: ShapeParameter, samples: Sequence[JointSamples]) -> tuple[Bracket, ...]:  # noqa: ARG002

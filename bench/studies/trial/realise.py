@@ -17,7 +17,7 @@ from bench.studies.trial.compatible import COMPANIONS, PARTS
 from bench.studies.trial.setup import Setup, where
 from bench.studies.trial.unknown import sized
 from bench.truth.hidden.reference import Reference
-from bench.truth.hidden.sizes import typical
+from bench.truth.hidden.sizes import real_sizes, typical
 from bench.truth.simulate import Simulation, simulate
 
 ATTEMPTS = 4  # simulations: if one fails, the effects are halved for the next
@@ -87,7 +87,9 @@ def _scenario(setup: Setup, case: Case, hidden: Sequence[Entry]) -> Scenario:
 
 
 def entries(hide: Hide, reference: Reference) -> list[Entry]:
-    """Entries of the effect in each of its joints with the requested size, and of its companions."""
+    """Entries of the effect in each of its joints with the requested size, if a real machine can have it, and of its
+    companions.
+    """
     if where(hide.effect) == "passive" and len(hide.joints) > 1:
         return [_entry(hide.effect, None, typical(hide.effect, reference, hide.share))]
     all_entries: list[Entry] = []
@@ -96,6 +98,7 @@ def entries(hide: Hide, reference: Reference) -> list[Entry]:
             sizes = sized(dict(hide.numbers), reference, joint, hide.share)
         else:
             sizes = typical(hide.effect, reference, hide.share, joint)
+            sizes = real_sizes(hide.effect, reference, joint, sizes)
         all_entries.append(_entry(hide.effect, joint, sizes))
         all_entries += [
             _entry(name, joint, size(sizes)) for name, size in COMPANIONS.get(hide.effect, {}).items()

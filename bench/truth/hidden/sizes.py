@@ -45,9 +45,28 @@ def typical(effect: str, reference: Reference, share: float, joint: str | None =
             sizes = machine_sizes(kind, reference, joint, share)
         except BenchError as error:
             raise BenchError(f"{effect} with a share of {share:g}: {error}") from error
+    return _rounded(sizes)
+
+
+def _rounded(sizes: Sizes) -> Sizes:
     return {name: float(f"{value:.{DIGITS}g}") for name, value in sizes.items()}
 
 
+def real_sizes(effect: str, reference: Reference, joint: str | None, sizes: Sizes) -> Sizes:
+    """These parameters of an effect, no larger than a real machine has them; its share of the torque is then smaller.
+
+    A play is at most half a degree or 0.1 mm: twice the 15 arc-min of a standard planetary gear (catalogue of
+    Raydafon) and the 0.05 mm of a standard ball screw (PBC Linear), so that worn drives are in it. Reducers of robots
+    are sold with 1 to 3 arc-min.
+    """
+    if effect != "backlash":
+        return sizes
+    j = _movement(reference, joint)
+    widest = WIDEST_PLAY["slide" if j.slide else "hinge"]
+    return sizes if sizes["play"] <= widest else _rounded(play_sizes(reference, j, widest))
+
+
+WIDEST_PLAY = {"hinge": 8.7e-3, "slide": 1e-4}  # rad, m: see `real_sizes`
 CLOSE = 0.02  # of the requested share
 FURTHEST = np.log(100.0)  # step of a search, as a logarithm
 ROTOR = 0.1  # of the effective inertia at the joint
@@ -111,26 +130,37 @@ def drive_flexibility_size(reference: Reference, _effect: str, joint: str | None
 
 
 def backlash_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:
-    """From simulations, compared with a rotor without play, since the changes of flank follow no simpler rule.
-
-    The flanks deflect by a tenth of the play, or more if the step requires less stiffness.
-    """
+    """From simulations, compared with a rotor without play, since the changes of flank follow no simpler rule."""
     j = _movement(reference, joint)
-    step = reference.simulation.scenario.settings.step
-    rotor = 0.0 if j.armature > 0 else ROTOR * j.inertia
+    rotor = _rotor_of(j)
     without = _again(reference, "rotor_inertia", joint, {"Ia": rotor}) if rotor else reference.simulation
     i = without.robot.driven.index(j.joint)
 
-    def sizes(play: float) -> Sizes:
-        stiffness = min(10 * rms(j.torque) / play, 0.2 * (rotor + j.armature) / step**2)
-        damping = 0.2 * np.sqrt(stiffness * (rotor + j.armature))
-        return _rotor({"play": play, "stiffness": stiffness, "damping": damping}, rotor)
-
     def felt(play: float) -> float:
-        pairs = zip(_again(reference, effect, joint, sizes(play)).recordings, without.recordings, strict=True)
+        simulation = _again(reference, effect, joint, play_sizes(reference, j, play))
+        pairs = zip(simulation.recordings, without.recordings, strict=True)
         return rms(np.concatenate([(a.current - b.current)[:, i] for a, b in pairs])) / rms(j.current)
 
-    return sizes(_solved(felt, 0.02 * j.span, share, 1))
+    return play_sizes(reference, j, _solved(felt, 0.02 * j.span, share, 1))
+
+
+def play_sizes(reference: Reference, j: JointMovement, play: float) -> Sizes:
+    """Parameters of a play whose flanks deflect by a tenth of it, or more if the step requires less stiffness.
+
+    Rotor and link swing on the flank against each other: with their reduced inertia, which is below that of the lighter
+    one (a link of a wrist), and a tenth of the critical damping.
+    """
+    step, rotor = reference.simulation.scenario.settings.step, _rotor_of(j)
+    light, heavy = sorted((rotor + j.armature, j.inertia - j.armature))
+    reduced = heavy * light / (heavy + light) if light > 0 else heavy
+    stiffness = min(10 * rms(j.torque) / play, 0.2 * reduced / step**2)
+    damping = 0.2 * np.sqrt(stiffness * reduced)
+    return _rotor({"play": play, "stiffness": stiffness, "damping": damping}, rotor)
+
+
+def _rotor_of(j: JointMovement) -> float:
+    """Inertia of the rotor that a joint without one in the MJCF gets."""
+    return 0.0 if j.armature > 0 else ROTOR * j.inertia
 
 
 def passive_load_friction_size(reference: Reference, effect: str, joint: str | None, share: float) -> Sizes:

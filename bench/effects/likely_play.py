@@ -1,0 +1,173 @@
+"""The play, rotor and drag that the error of a motor suggests."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from bench.effects.play import Flight, Load
+from bench.effects.signals import RobotSignals
+
+
+@dataclass(frozen=True)
+class PlayGrid:
+    """Where a search for play begins, and where it ends.
+
+    rotors: shares of the inertia at the joint. drags: over the inertia behind the play times the band, both lightly and
+    strongly damped. flights: times through the play, over the shortest period of the band; shorter ones look alike.
+    widest: play, rad or m, at a flight of one period. material: share of the motor's squared error that must be
+    explained, below which nothing moves through the play. steps: first factors of play, rotor and drag in the local
+    search; finest: factor of the play in its last step. heaviest: share of the inertia at the joint that the rotor can
+    have. damped: largest factor between a drag and the band.
+    """
+
+    rotors: tuple[float, ...] = tuple(0.04 + 0.06 * i for i in range(16))
+    drags: tuple[float, ...] = (0.3, 5.0)
+    flights: tuple[float, ...] = tuple(0.25 * 1.19**i for i in range(13))
+    widest: float = 0.03
+    material: float = 0.03
+    steps: tuple[float, float, float] = (1.3, 1.3, 2.0)
+    finest: float = 1.02
+    heaviest: float = 0.97
+    damped: float = 100.0
+
+
+GRID = PlayGrid()
+
+
+@dataclass(frozen=True)
+class LikelyPlay:
+    """play: rad or m; rotor: inertia, kg*m2 or kg; drag: in the gap, N*m*s/rad or N*s/m."""
+
+    play: float
+    rotor: float
+    drag: float
+
+
+def likely_play(robots: Sequence[RobotSignals], joint: str) -> LikelyPlay:
+    """The play, rotor and drag with which a link's way through the play explains most of its motor's error.
+
+    Play and drag are zero if the link never changes its flank or that explains nothing; the rotor is then the one with
+    which it is farthest from that.
+    """
+    search = PlaySearch(tuple(MotorError.of(robot, joint) for robot in robots), robots[0].joints[joint].band)
+    if not (search.inertia > 0.0 and search.power > 0.0):
+        return LikelyPlay(0.0, 0.0, 0.0)
+    explained, best = max(
+        ((search.explained(each), each) for each in search.grid()), key=lambda pair: pair[0]
+    )
+    return search.refined(best, explained) if explained > GRID.material else search.without_crossing()
+
+
+@dataclass(frozen=True)
+class MotorError:
+    """A recording: the load of a joint, and the spectrum of the motor's error inside the band, without its mean."""
+
+    load: Load
+    error: np.ndarray
+
+    @classmethod
+    def of(cls, robot: RobotSignals, joint: str) -> "MotorError":
+        """The torque that the present model lacks at the joint's motor."""
+        signals, load = robot.joints[joint], Load.of(robot, joint)
+        error = (signals.motor_torque - signals.needed_torque)[:: robot.every]
+        count = int(signals.band * load.interval * len(error))
+        return cls(load, np.fft.rfft(error[1:-1])[1:count])
+
+    def change(self, flight: Flight, rotor: float, play: float) -> np.ndarray:
+        """The spectrum of the torque by the link's acceleration through the play."""
+        torque = -np.diff(flight.lag(play), 2) / self.load.interval**2 * self.load.behind(rotor)[1:-1]
+        return np.fft.rfft(torque)[1 : len(self.error) + 1]
+
+
+@dataclass(frozen=True)
+class PlaySearch:
+    """The recordings in which play is looked for; band: highest frequency of the fit, Hz."""
+
+    seen: tuple[MotorError, ...]
+    band: float
+
+    @cached_property
+    def inertia(self) -> float:
+        """Inertia at the joint, kg*m2 or kg: that of the recording with the heaviest load."""
+        return max(each.load.mean for each in self.seen)
+
+    @cached_property
+    def power(self) -> float:
+        """Sum of the squared errors."""
+        return sum(float(np.vdot(each.error, each.error).real) for each in self.seen)
+
+    def flights(self, rotor: float, drag: float) -> list[tuple[MotorError, Flight]]:
+        """The recordings in which the link changes its flank."""
+        every = [(each, Flight.under(each.load, rotor, drag)) for each in self.seen]
+        return [(each, flight) for each, flight in every if flight.happens]
+
+    def explained(self, tried: "PlayGuess") -> float:
+        """Share of the squared errors that the way through the play explains; zero with the wrong sign."""
+        changes = [
+            (each.error, each.change(flight, tried.rotor, tried.play)) for each, flight in tried.flights
+        ]
+        square = sum(float(np.vdot(change, change).real) for _, change in changes)
+        along = sum(float(np.vdot(error, change).real) for error, change in changes)
+        return along**2 / (square * self.power) if along > 0.0 else 0.0
+
+    def grid(self) -> Iterator["PlayGuess"]:
+        """Plays that the link crosses in a given time under its RMS change of load; rotors with which it never crosses
+        have one.
+        """
+        steps = [
+            float((np.diff(each.load.torque) ** 2).mean()) ** 0.5 / each.load.interval for each in self.seen
+        ]
+        jerk = max(steps) / self.inertia
+        for rotor in (share * self.inertia for share in GRID.rotors):
+            for drag in (relative * (self.inertia - rotor) * self.band for relative in GRID.drags):
+                flights = self.flights(rotor, drag)
+                for length in GRID.flights if flights else GRID.flights[:1]:
+                    play = min(jerk * (length / self.band) ** 3 / 6.0, GRID.widest * length)
+                    yield PlayGuess(play, rotor, drag, flights)
+
+    def refined(self, best: "PlayGuess", explained: float) -> LikelyPlay:
+        """The best values in the neighbourhood, one moved after the other by ever smaller factors."""
+        values, steps = np.array([best.play, best.rotor, best.drag]), np.array(GRID.steps)
+        heaviest, drag = GRID.heaviest * self.inertia, self.inertia * self.band
+        least = np.array([0.0, 0.0, drag / GRID.damped])
+        most = np.array([np.inf, heaviest, drag * GRID.damped])
+        while steps[0] > GRID.finest:
+            before = explained
+            for k in np.repeat(np.arange(3), 2):
+                moved = values.copy()
+                moved[k] *= steps[k]
+                moved = np.clip(moved, least, most)
+                share = self.explained(self._guess(*moved.tolist()))
+                if share > explained:
+                    explained, values = share, moved
+                else:
+                    steps[k] = 1.0 / steps[k]
+            steps = np.maximum(steps, 1.0 / steps)
+            if explained == before:
+                steps = np.sqrt(steps)
+        return LikelyPlay(*values.tolist())
+
+    def _guess(self, play: float, rotor: float, drag: float) -> "PlayGuess":
+        return PlayGuess(play, rotor, drag, self.flights(rotor, drag))
+
+    def without_crossing(self) -> LikelyPlay:
+        """No play and no drag, and the rotor with which the loads are farthest from a change of sign."""
+        rotors = [share * self.inertia for share in GRID.rotors]
+        return LikelyPlay(0.0, max(rotors, key=self._margin), 0.0)
+
+    def _margin(self, rotor: float) -> float:
+        """The least load on the flank that mostly carries it, N*m or N; negative if the link changes its flank."""
+        loads = [each.load.torque - rotor * each.load.acceleration for each in self.seen]
+        return min(float((load * np.sign(load.mean())).min()) for load in loads)
+
+
+@dataclass(frozen=True)
+class PlayGuess:
+    """Values of a search, as in `LikelyPlay`, with the recordings in which the link changes its flank."""
+
+    play: float
+    rotor: float
+    drag: float
+    flights: list[tuple[MotorError, Flight]]
