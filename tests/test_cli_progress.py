@@ -3,16 +3,19 @@
 import os
 import pty
 import select
+import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 
 import pytest
 
 from bench.basics.errors import BenchError
 from bench.benchmarks.speed.start_up import until_words
 from bench.cli import main
-from bench.cli.progress import progress_to
+from bench.cli.progress import progress_to, shown_progress
+from bench.cli.termination import leaving_on_termination
 
 PATIENCE = 60.0  # s: a machine that does other work as well is slow to start a process
 FIRST = {
@@ -155,3 +158,21 @@ def test_nothing_is_shown_when_quiet(tmp_path, brief):
 def test_long_commands_can_be_quiet(name, capsys):
     assert main([name, "--help"]) == 0
     assert "--quiet" in capsys.readouterr().out
+
+
+def test_a_termination_that_was_lost_is_repeated_by_progress():
+    """As where the signal arrives in a callback of the garbage collector, which drops the exception."""
+    said = []
+    with (
+        pytest.raises(SystemExit, match="143"),
+        leaving_on_termination(lambda: said.append("terminated")),
+        shown_progress(quiet=True) as progress,
+    ):
+        progress.phase("before")
+        with suppress(SystemExit):
+            signal.raise_signal(signal.SIGTERM)
+        progress.advance()
+        pytest.fail("not reached")
+    assert said == ["terminated"]
+    with leaving_on_termination(lambda: None), shown_progress(quiet=True) as progress:
+        progress.phase("another command")

@@ -7,7 +7,6 @@ import pytest
 
 from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT
-from bench.local import worker as work
 from bench.local.worker import CancelledError, DiedError, Worker
 
 
@@ -47,14 +46,6 @@ def test_a_worker_answers_refuses_dies_and_is_cancelled():
     worker.close()
     with pytest.raises(CancelledError):
         worker.call("double", {"number": 1}, SILENT)
-
-
-def test_a_cancellation_that_is_lost_is_repeated(monkeypatch):
-    monkeypatch.setattr(work, "GRACE", 0.05)
-    worker = Worker({"lose": "tests.worker_kit:lose_the_first"})
-    with pytest.raises(CancelledError):
-        worker.call("lose", {}, Heard(worker.cancel))
-    worker.close()
 
 
 def test_a_worker_that_cannot_start_says_why(monkeypatch):

@@ -105,5 +105,5 @@ def test_a_gap_costs_that_place_and_not_the_log(late, parts, gap):
     time = np.concatenate(([0.0], np.cumsum(steps)))
     segments, notes = cut(Path("log.csv"), {"time": time}, "identify", "log.csv", UNCUT)
     assert len(segments) == parts
-    assert sum(segment.rows for segment in segments) >= 0.99 * time.size
+    assert sum(len(segment.columns["time"]) for segment in segments) >= 0.99 * time.size
     assert bool(notes) == (len(late) == 1 and gap != 60.0)

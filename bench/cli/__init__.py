@@ -6,18 +6,15 @@ sentence of its docstring as its help.
 """
 
 import os
-import signal
-import sys
-import threading
 import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 
 import click
 
 from bench.basics.errors import BenchError, lines_of
 from bench.basics.program import called_as
 from bench.cli.lazy import LazyCommand, LazyGroup, forgiving_output, misspelt
+from bench.cli.termination import TERMINATED, leaving_on_termination
 
 COMMANDS = {
     name: LazyCommand(f"bench.cli.{target}", text, section)
@@ -62,7 +59,6 @@ COMMANDS = {
 
 BAD_INPUT = 2
 INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it
-TERMINATED = 143  # 128 + SIGTERM
 OLD_MJCF = ".* is deprecated and will be removed in a future release"  # on attributes of older files
 
 
@@ -89,7 +85,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )  # no command renders with MuJoCo, whose window libraries are slow to import
     warnings.filterwarnings("ignore", message=OLD_MJCF, category=UserWarning)  # MuJoCo prints it as well
     try:
-        with _leaving_on_termination(), forgiving_output():
+        with leaving_on_termination(lambda: _say("terminated", TERMINATED)), forgiving_output():
             result = cli.main(args=arguments, prog_name=called_as(), standalone_mode=False)
     except BenchError as error:
         for line in lines_of(error):
@@ -115,16 +111,3 @@ def _say(message: str, exit_code: int) -> int:
     """Print the message as one line, without line breaks, and return the exit code."""
     click.echo(f"bench: {' '.join(message.split())}", err=True)
     return exit_code
-
-
-@contextmanager
-def _leaving_on_termination() -> Iterator[None]:
-    """Turn SIGTERM into an exception, so that incomplete files are removed before the exit."""
-    if threading.current_thread() is not threading.main_thread():  # Python handles signals only there
-        yield
-        return
-    previous = signal.signal(signal.SIGTERM, lambda *_: sys.exit(_say("terminated", TERMINATED)))
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, previous)

@@ -10,6 +10,7 @@ import click
 
 from bench.basics.progress import SILENT, Progress
 from bench.cli.last_lines import set_quiet
+from bench.cli.termination import LeavingProgress
 
 QUIET = "Print nothing but errors, and show no progress."
 
@@ -30,15 +31,15 @@ def shown_progress(quiet: bool, phase: str = "starting") -> Iterator[Progress]:
     """
     if (listener := _elsewhere.get()) is not None:
         listener.phase(phase)
-        yield listener
+        yield LeavingProgress(listener)
         return
     if quiet or not sys.stderr.isatty():
-        yield SILENT
+        yield LeavingProgress(SILENT)
         return
     from bench.cli.progress_bar import ProgressBar
 
     with ProgressBar(phase) as bar:
-        yield bar
+        yield LeavingProgress(bar)
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from bench.basics.errors import BenchError
 from bench.basics.progress import Progress
 
 Home = str
-"""Where a function of arguments and `Progress` is, as `module:name`; only the worker's process has to import it."""
+"""The location of a function of arguments and `Progress`, as `module:name`; only the worker's process imports it."""
 
 GRACE = 5.0  # s that an ended process has to remove its half-written files
 
@@ -72,21 +72,11 @@ class Worker:
                     self._busy = False
 
     def cancel(self) -> None:
-        """End the process if it is busy, without half-written files. The running call raises CancelledError.
-
-        It is asked again after GRACE, since code that catches all exceptions loses the one that ends the process.
-        """
+        """End the process if it is busy, without half-written files. The running call raises CancelledError."""
         with self._changing:
-            if self._process is not None and self._busy and self._process.is_alive():
+            if self._process is not None and self._busy:
                 self._cancelled = True
                 self._process.terminate()
-                again = threading.Timer(GRACE, self._cancel_again, (self._process,))
-                again.daemon = True
-                again.start()
-
-    def _cancel_again(self, process: Any) -> None:
-        if self._process is process and self._cancelled:
-            self.cancel()
 
     def close(self) -> None:
         """End the process for good; a waiting call raises CancelledError."""

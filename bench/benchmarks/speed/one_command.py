@@ -6,6 +6,7 @@ then prints its processor time, s, and its peak memory, bytes.
 
 import json
 import os
+import runpy
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -14,7 +15,6 @@ from time import perf_counter, process_time
 
 from bench.basics.errors import BenchError
 from bench.benchmarks.speed.memory import peak_bytes
-from bench.cli import main
 
 MARK = "cost: "
 
@@ -58,6 +58,7 @@ def cost_of(*command: str) -> Cost:
 
 
 if __name__ == "__main__":
-    code = main(sys.argv[1:])
-    sys.stdout.write(f"{MARK}{json.dumps([process_time(), peak_bytes()])}\n")
-    sys.exit(code)
+    try:
+        runpy.run_module("bench", run_name="__main__", alter_sys=True)
+    finally:
+        sys.stdout.write(f"{MARK}{json.dumps([process_time(), peak_bytes()])}\n")

@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-from bench.page.render import asset
-
 ASSETS = Path(__file__).with_name("assets")
 
 SCRIPTS = (
@@ -20,9 +18,13 @@ SCRIPTS = (
 
 def script() -> str:
     """All scripts as one, which defines `window.Workbench.start(section, data, Charts)`."""
-    return "\n".join(asset(name, ASSETS) for name in SCRIPTS)
+    return "\n".join(_text(name) for name in SCRIPTS)
 
 
 def style() -> str:
     """The style sheet, which uses the page's colours."""
-    return asset("workbench.css", ASSETS)
+    return _text("workbench.css")
+
+
+def _text(name: str) -> str:
+    return (ASSETS / name).read_text(encoding="utf-8")
