@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.basics.chi_squared import WITHIN_95, exceeded_with
+from bench.basics.chi_squared import WITHIN_95
 from bench.benchmarks.measured.machines import MACHINES
 from bench.benchmarks.measured.repeats import COMPARED, repeats_markdown, repeats_of
 from bench.identification import bandwidth
 from bench.identification.chosen_band import prepare_checked
-from bench.identification.decision import RULE
 from bench.identification.finding import Code, Unknown
 from bench.identification.identify import fit, identify
 from bench.identification.model_averaged import changed, estimates
@@ -136,26 +135,6 @@ def test_a_band_that_cannot_be_checked_is_named(clean, monkeypatch):
     assert Code.BAND_UNCHECKED not in {finding.code for finding in identify(prepared).findings}
     monkeypatch.setattr(bandwidth, "narrower", lambda _: None)
     assert Code.BAND_UNCHECKED in {finding.code for finding in identify(prepared).findings}
-
-
-def test_chance_does_not_move_correlated_values(clean):
-    """Values that scatter as their covariance says, of which one in a hundred has squares that add up to more."""
-    answer = fit(prepare_checked(problem_of(clean)))
-    unknowns = list(bandwidth.in_both(answer, answer))
-    rows = [answer.covariance_rows.index(unknown) for unknown in unknowns]
-    covariance = 2.0 * answer.covariance[np.ix_(rows, rows)]
-    std = np.sqrt(np.diag(covariance))
-    draws = np.random.default_rng(1).multivariate_normal(
-        np.zeros(len(std)), covariance / np.outer(std, std), size=1000, method="eigh"
-    )
-
-    def after(draw):
-        by = dict(zip(unknowns, std * draw, strict=True))
-        return changed(answer, lambda unknown, each: (each.value + by.get(unknown, 0.0), each.std))
-
-    added = (draws**2).sum(axis=1) > exceeded_with(RULE.surprising, len(std))
-    assert sum(bandwidth.moved(answer, after(draw)) for draw in draws) <= 1 < added.sum()
-    assert bandwidth.moved(answer, after(np.full(len(std), 10.0)))
 
 
 def test_only_standard_errors_of_the_same_source_are_compared(clean):

@@ -5,7 +5,7 @@ matrix in the whole band that was chosen from it. An estimate from half of the b
 the two shows the bias (Hausman, "Specification tests in econometrics", 1978).
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import hypot
 
@@ -85,32 +85,9 @@ def _with_settings(prepared: Prepared, settings: FilterSettings) -> Prepared:
 
 
 def moved(first: Identification, second: Identification) -> bool:
-    """Whether all values together differ by more than their covariances and chance explain.
-
-    With d the differences and C the sum of both covariances, d' C^-1 d is compared with chi squared. Squares of single
-    differences, added, would take correlated values for independent ones: of 112 values of a hexapod, which scatter
-    like 17, they exceed its 1e-4 quantile in 6 of 100 cases.
-    """
-    values = {
-        unknown: pair
-        for unknown, pair in in_both(first, second).items()
-        if unknown in first.covariance_rows and unknown in second.covariance_rows
-    }
-    if not values:
-        return False
-    covariance = _covariance(first, values) + _covariance(second, values)
-    std = np.sqrt(np.diag(covariance))
-    apart = np.array([a.value - b.value for a, b in values.values()]) / std
-    spread, directions = np.linalg.eigh(covariance / np.outer(std, std))
-    known = spread > TOLERANCES.rank.products * spread[-1]
-    squares = (directions[:, known].T @ apart) ** 2 / spread[known]
-    return float(squares.sum()) > exceeded_with(RULE.surprising, float(known.sum()))
-
-
-def _covariance(result: Identification, unknowns: Iterable[Unknown]) -> np.ndarray:
-    """The covariance of these unknowns, in their order."""
-    rows = [result.covariance_rows.index(unknown) for unknown in unknowns]
-    return np.asarray(result.covariance[np.ix_(rows, rows)])
+    """Whether all values together differ by more than their standard errors and chance explain."""
+    squares = [(a.value - b.value) ** 2 / (a.std**2 + b.std**2) for a, b in in_both(first, second).values()]
+    return bool(squares) and sum(squares) > exceeded_with(RULE.surprising, len(squares))
 
 
 def sharper(first: Identification, second: Identification) -> bool:
