@@ -12,7 +12,7 @@ from bench.identification import bandwidth
 from bench.identification.chosen_band import prepare_checked
 from bench.identification.finding import Code, Unknown
 from bench.identification.identify import fit, identify
-from bench.identification.model_averaged import changed, estimates
+from bench.identification.model_averaged import estimates
 from bench.identification.model_json import from_json, to_json
 from bench.identification.prepare import prepare
 from bench.identification.problem import problem_of
@@ -135,10 +135,3 @@ def test_a_band_that_cannot_be_checked_is_named(clean, monkeypatch):
     assert Code.BAND_UNCHECKED not in {finding.code for finding in identify(prepared).findings}
     monkeypatch.setattr(bandwidth, "narrower", lambda _: None)
     assert Code.BAND_UNCHECKED in {finding.code for finding in identify(prepared).findings}
-
-
-def test_only_standard_errors_of_the_same_source_are_compared(clean):
-    answer = fit(prepare_checked(problem_of(clean)))
-    half = changed(answer, lambda _, each: (each.value, 0.5 * each.std))
-    assert bandwidth.sharper(answer, half)
-    assert not bandwidth.sharper(replace(answer, std_from="blocks"), half)

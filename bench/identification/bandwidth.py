@@ -91,12 +91,7 @@ def moved(first: Identification, second: Identification) -> bool:
 
 
 def sharper(first: Identification, second: Identification) -> bool:
-    """Whether standard errors of the same source are clearly smaller in `second`, in the median: then the wider band
-    adds noise. Where they are from another source, for example because half of the rows has too few blocks, their size
-    says nothing of the noise.
-    """
-    if first.std_from != second.std_from:
-        return False
+    """Whether standard errors are clearly smaller in `second`, in the median: then the wider band adds noise."""
     ratios = [b.std / a.std for a, b in in_both(first, second).values()]
     return bool(ratios) and float(np.median(ratios)) < TOLERANCES.findings.half_band
 
