@@ -92,6 +92,15 @@ class Prepared:
         """The observations of recordings to identify from."""
         return tuple(observation for observation in self.observations if observation.use == "identify")
 
+    @property
+    def fitted_signals(self) -> tuple[RobotSignals, ...]:
+        """The same recordings as effects see them."""
+        return tuple(
+            signals
+            for signals, entry in zip(self.signals, self.measured, strict=True)
+            if entry.recording.use == "identify"
+        )
+
 
 @on_one_thread
 def prepare(problem: Problem, *, fitted_only: bool = True, logs: Sequence[str] | None = None) -> Prepared:

@@ -33,12 +33,10 @@ def best_shape(prepared: Prepared, instance: EffectInstance, partial: PartialReg
         free = list(shape)
     choices = [list(shape_parameter.candidates) for shape_parameter in shape if shape_parameter not in free]
     best, least = instance, np.inf
-    fitted = [
-        seen
-        for seen, measured in zip(prepared.signals, prepared.measured, strict=True)
-        if measured.recording.use == "identify"
+    starts = [
+        replace(instance, effect=effect)
+        for effect in instance.effect.starts(prepared.fitted_signals, instance.joint)
     ]
-    starts = [replace(instance, effect=effect) for effect in instance.effect.starts(fitted, instance.joint)]
     for start, chosen in product(starts, product(*choices)):
         if start is not starts[0] and -least < RULE.material * partial.sum_of_squares:
             break

@@ -99,11 +99,7 @@ def reshaped(instance: EffectInstance, values: Mapping[str, float]) -> EffectIns
 def candidate_columns(prepared: Prepared, effects: Sequence[EffectInstance]) -> np.ndarray:
     """Columns (M, n, k) of effects over all fitted recordings, in the order of the stack."""
     return np.concatenate(
-        [
-            effect_rows(signals, prepared.settings.decimation, effects)
-            for signals, measured in zip(prepared.signals, prepared.measured, strict=True)
-            if measured.recording.use == "identify"
-        ]
+        [effect_rows(signals, prepared.settings.decimation, effects) for signals in prepared.fitted_signals]
     )
 
 

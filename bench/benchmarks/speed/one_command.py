@@ -28,9 +28,14 @@ class Cost:
     megabytes: float
 
 
+def keeping_bytecode() -> dict[str, str]:
+    """The environment, in which Python keeps compiled modules as for an installed command."""
+    return {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+
+
 def costs_at_once(commands: Sequence[Sequence[str]]) -> list[Cost]:
     """The cost of commands that are started at the same time. Raises BenchError if one of them fails."""
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    environment = keeping_bytecode()
     begun = perf_counter()
     running = [
         subprocess.Popen(

@@ -17,6 +17,7 @@ from time import perf_counter
 from bench.basics.errors import BenchError
 from bench.benchmarks.speed.figures import SpeedFigure
 from bench.benchmarks.speed.long_log import write_long_dataset
+from bench.benchmarks.speed.one_command import keeping_bytecode
 
 COMMANDS = ("identify", "diagnose")
 LIMIT = 0.7  # s
@@ -40,7 +41,7 @@ def measure(command: str) -> float:
     """Seconds until a missing dataset is reported; the shortest of several, as other processes only slow it down."""
     with tempfile.TemporaryDirectory(prefix="bench-speed-") as folder:
         arguments = [sys.executable, "-m", "bench", command, str(Path(folder) / "nothing")]
-        environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+        environment = keeping_bytecode()
         environment["PYTHONPYCACHEPREFIX"] = str(Path(folder) / "bytecode")
         return min(_once(arguments, environment) for _ in range(REPEATS))
 

@@ -8,7 +8,6 @@ import numpy as np
 from bench.diagnosis.discovery.grammar import Scope
 from bench.diagnosis.discovery.variables import OF_A_MOTOR, Place, Seen, Variable
 from bench.diagnosis.fading import too_short
-from bench.effects import RobotSignals
 from bench.effects.load import load_at
 from bench.effects.tool_motion import tool_speed
 from bench.identification.partial_regression import PartialRegression
@@ -26,7 +25,7 @@ def places_of(prepared: Prepared) -> tuple[Place, ...]:
 
 def seen_at(prepared: Prepared, place: Place) -> Seen:
     """Signals of fitted recordings for a law at a motor."""
-    robots = _fitted(prepared)
+    robots = prepared.fitted_signals
     step = prepared.settings.decimation
     samples = [decimated_indices(len(signals.time), step) for signals in robots]
     ends = np.cumsum([0, *map(len, samples)])
@@ -62,7 +61,7 @@ def scope_of(prepared: Prepared, regression: PartialRegression, places: Sequence
     travel = float(np.ptp(positions[:, slides], axis=0).max()) if slides else 0.0
     rates = [*(TOLERANCES.laws.harmonics if len(slides) < len(places) else ())]
     rates += [2.0 * np.pi * value / travel for value in TOLERANCES.laws.waves if travel > 0.0]
-    robots = _fitted(prepared)
+    robots = prepared.fitted_signals
     interval = prepared.settings.decimation / next(iter(robots[0].joints.values())).rate
     return Scope(
         others=len(places) - 1,
@@ -86,14 +85,6 @@ def are_several(place: Place) -> bool:
 def has_tool(prepared: Prepared) -> bool:
     """Whether the robot has a tool frame."""
     return prepared.model.geometry.tool is not None
-
-
-def _fitted(prepared: Prepared) -> list[RobotSignals]:
-    return [
-        signals
-        for signals, measurement in zip(prepared.signals, prepared.measured, strict=True)
-        if measurement.recording.use == "identify"
-    ]
 
 
 def _pulses(regression: PartialRegression, lengths: Sequence[int], interval: float) -> tuple[float, ...]:
