@@ -1,8 +1,9 @@
 """The play, rotor and drag that the error of a motor suggests."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
@@ -16,15 +17,18 @@ class PlayGrid:
 
     rotors: shares of the inertia at the joint. drags: over the inertia behind the play times the band, both lightly and
     strongly damped. flights: times through the play, over the shortest period of the band; shorter ones look alike.
-    widest: play, rad or m, at a flight of one period. material: share of the motor's squared error that must be
-    explained, below which nothing moves through the play. steps: first factors of play, rotor and drag in the local
-    search; finest: factor of the play in its last step. heaviest: share of the inertia at the joint that the rotor can
-    have. damped: largest factor between a drag and the band.
+    stride: rotors and flights this far apart are tried first, then the neighbours of the `kept` best. widest: play, rad
+    or m, at a flight of one period. material: share of the motor's squared error that must be explained, below which
+    nothing moves through the play. steps: first factors of play, rotor and drag in the local search; finest: factor of
+    the play in its last step. heaviest: share of the inertia at the joint that the rotor can have. damped: largest
+    factor between a drag and the band.
     """
 
     rotors: tuple[float, ...] = tuple(0.04 + 0.06 * i for i in range(16))
     drags: tuple[float, ...] = (0.3, 5.0)
     flights: tuple[float, ...] = tuple(0.25 * 1.19**i for i in range(13))
+    stride: int = 2
+    kept: int = 3
     widest: float = 0.03
     material: float = 0.03
     steps: tuple[float, float, float] = (1.3, 1.3, 2.0)
@@ -54,9 +58,7 @@ def likely_play(robots: Sequence[RobotSignals], joint: str) -> LikelyPlay:
     search = PlaySearch(tuple(MotorError.of(robot, joint) for robot in robots), robots[0].joints[joint].band)
     if not (search.inertia > 0.0 and search.power > 0.0):
         return LikelyPlay(0.0, 0.0, 0.0)
-    explained, best = max(
-        ((search.explained(each), each) for each in search.grid()), key=lambda pair: pair[0]
-    )
+    explained, best = search.best_of_grid()
     return search.refined(best, explained) if explained > GRID.material else search.without_crossing()
 
 
@@ -83,10 +85,13 @@ class MotorError:
 
 @dataclass(frozen=True)
 class PlaySearch:
-    """The recordings in which play is looked for; band: highest frequency of the fit, Hz."""
+    """The recordings in which play is looked for; band: highest frequency of the fit, Hz. known: cache of `flights`."""
 
     seen: tuple[MotorError, ...]
     band: float
+    known: dict[tuple[float, float], list[tuple[MotorError, Flight]]] = field(
+        default_factory=dict, compare=False, repr=False
+    )
 
     @cached_property
     def inertia(self) -> float:
@@ -100,8 +105,10 @@ class PlaySearch:
 
     def flights(self, rotor: float, drag: float) -> list[tuple[MotorError, Flight]]:
         """The recordings in which the link changes its flank."""
-        every = [(each, Flight.under(each.load, rotor, drag)) for each in self.seen]
-        return [(each, flight) for each, flight in every if flight.happens]
+        if (rotor, drag) not in self.known:
+            every = [(each, Flight.under(each.load, rotor, drag)) for each in self.seen]
+            self.known[rotor, drag] = [(each, flight) for each, flight in every if flight.happens]
+        return self.known[rotor, drag]
 
     def explained(self, tried: "PlayGuess") -> float:
         """Share of the squared errors that the way through the play explains; zero with the wrong sign."""
@@ -112,20 +119,37 @@ class PlaySearch:
         along = sum(float(np.vdot(error, change).real) for error, change in changes)
         return along**2 / (square * self.power) if along > 0.0 else 0.0
 
-    def grid(self) -> Iterator["PlayGuess"]:
-        """Plays that the link crosses in a given time under its RMS change of load; rotors with which it never crosses
-        have one.
-        """
+    @cached_property
+    def jerk(self) -> float:
+        """RMS change of the load with time over the inertia, of the recording with the largest, rad/s3 or m/s3."""
         steps = [
             float((np.diff(each.load.torque) ** 2).mean()) ** 0.5 / each.load.interval for each in self.seen
         ]
-        jerk = max(steps) / self.inertia
-        for rotor in (share * self.inertia for share in GRID.rotors):
-            for drag in (relative * (self.inertia - rotor) * self.band for relative in GRID.drags):
-                flights = self.flights(rotor, drag)
-                for length in GRID.flights if flights else GRID.flights[:1]:
-                    play = min(jerk * (length / self.band) ** 3 / 6.0, GRID.widest * length)
-                    yield PlayGuess(play, rotor, drag, flights)
+        return max(steps) / self.inertia
+
+    def best_of_grid(self) -> tuple[float, "PlayGuess"]:
+        """The plays that the link crosses in a given time under its RMS change of load: the one that explains most, and
+        the share that it explains.
+        """
+        rotors, flights = (
+            range(GRID.stride // 2, len(each), GRID.stride) for each in (GRID.rotors, GRID.flights)
+        )
+        places = list(product(rotors, range(len(GRID.drags)), flights))
+        tried = {place: self._explained_at(*place) for place in places}
+        for rotor, drag, flight in sorted(tried, key=lambda place: -tried[place][0])[: GRID.kept]:
+            for i, k in product(range(rotor - 1, rotor + 2), range(flight - 1, flight + 2)):
+                if 0 <= i < len(GRID.rotors) and 0 <= k < len(GRID.flights) and (i, drag, k) not in tried:
+                    tried[i, drag, k] = self._explained_at(i, drag, k)
+        return max(tried.values(), key=lambda pair: pair[0])
+
+    def _explained_at(self, i: int, j: int, k: int) -> tuple[float, "PlayGuess"]:
+        """The share that the i-th rotor with the j-th drag and the k-th flight explains, and the guess."""
+        rotor = GRID.rotors[i] * self.inertia
+        drag = GRID.drags[j] * (self.inertia - rotor) * self.band
+        length = GRID.flights[k]
+        play = min(self.jerk * (length / self.band) ** 3 / 6.0, GRID.widest * length)
+        guess = PlayGuess(play, rotor, drag, self.flights(rotor, drag))
+        return self.explained(guess), guess
 
     def refined(self, best: "PlayGuess", explained: float) -> LikelyPlay:
         """The best values in the neighbourhood, one moved after the other by ever smaller factors."""

@@ -84,13 +84,10 @@ class Flight:
         without rebound.
         """
         half, count = 0.5 * play, len(self.pushed)
-        towards = {1.0: np.flatnonzero(self.pushed < 0.0), -1.0: np.flatnonzero(self.pushed > 0.0)}
         lag = np.empty(count)
         side, at = 1.0 if self.pushed[0] >= 0.0 else -1.0, 0
         while at < count:
-            later = towards[side]
-            k = int(np.searchsorted(later, at))
-            leaves = int(later[k]) if k < len(later) else count
+            leaves = self._leaves[side][at]
             lag[at:leaves] = side * half
             if leaves == count:
                 break
@@ -102,6 +99,15 @@ class Flight:
                 lag[at] = side * half
                 at += 1
         return lag
+
+    @cached_property
+    def _leaves(self) -> dict[float, list[int]]:
+        """For either flank and each sample, the next sample with a push away from it, K if there is none."""
+        every, count = np.arange(len(self.pushed)), len(self.pushed)
+        return {
+            side: np.minimum.accumulate(np.where(side * self.pushed < 0.0, every, count)[::-1])[::-1].tolist()
+            for side in (1.0, -1.0)
+        }
 
     def _way(self, leaves: int, side: float, half: float, *, touching: bool) -> tuple[list[float], float]:
         """Lags while free, from the first sample with a push away from the flank, and the lag beyond.
