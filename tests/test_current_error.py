@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.identification.compressed import Stack, compress
-from bench.identification.current_error import current_error, minimised, squared_errors
+from bench.identification.current_error import current_error, minimum_on_factors, squared_errors
 from bench.identification.least_squares import weighted_least_squares
 from bench.identification.solution import NominalGains
 from bench.identification.solve_only import solved_from_products
@@ -41,7 +41,7 @@ def test_steps_on_inner_products_lead_where_steps_on_the_equations_do(noise, fit
     theta, gains = start.theta, start.gains
     weights = weights_of(theta, gains)
     for _ in range(TOLERANCES.steps.reweightings):
-        theta, gains = minimised(stack.factors, theta, gains, weights, fit_gains)
+        theta, gains = minimum_on_factors(stack.factors, theta, gains, weights, fit_gains)
         weights = weights_of(theta, gains)
     quickly = solved_from_products(stack, NominalGains(NOMINAL, fit_gains), NOMINAL)
     for found, digits in ((current_error(stack, start), 1e-7), (quickly, 1e-5)):

@@ -13,7 +13,7 @@ from bench.dataset.dataset import load_dataset
 from bench.diagnosis import rounds
 from bench.diagnosis.evidence import ResidualSumOfSquares, Samples
 from bench.diagnosis.with_catalogue import diagnose_with_catalogue
-from bench.identification.bilinear import run_away
+from bench.identification.gauss_newton import run_away
 from bench.identification.problem import problem_of
 from bench.identification.tolerances import TOLERANCES
 

@@ -11,8 +11,8 @@ import pytest
 from bench.diagnosis import noise, rounds
 from bench.diagnosis import search_from as from_rounds
 from bench.diagnosis.evidence import Samples
-from bench.diagnosis.normal_equations import SetFit
 from bench.diagnosis.search import score
+from bench.diagnosis.system import SetFit
 from bench.identification.decision import RULE
 from bench.identification.tolerances import TOLERANCES
 

@@ -1,25 +1,19 @@
 """Sets of effects, solved from inner products, are what the rows themselves give."""
 
+from dataclasses import replace
 from itertools import combinations
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from bench.diagnosis.batched_sets import solve_sets
+from bench.diagnosis.batched_sets import solve_set, solve_sets
 from bench.diagnosis.motor_products import combined, folded, motor_rows, products, summed
-from bench.diagnosis.normal_equations import (
-    Candidate,
-    System,
-    _orthonormal,
-    _products,
-    _solved,
-    _triangle,
-    solve_set,
-)
-from bench.diagnosis.normal_equations import squared_errors as left_by
+from bench.diagnosis.normal_equations import _orthonormal, _products, _triangle
+from bench.diagnosis.system import Candidate, System
+from bench.diagnosis.system import squared_errors as left_by
 from bench.identification.compressed import compress
-from bench.identification.current_error import minimised, squared_errors
+from bench.identification.current_error import minimum_on_factors, squared_errors
 from bench.identification.solution import Solution
 
 TRUE = np.array([3.3, 2.8])
@@ -72,7 +66,7 @@ def known(request):
     factors = compress(columns, kappa, current)
     weights = np.array([2.0, 0.5])
     own = factors[:, :, [*range(OWN), -2, -1]]
-    theta, gains = minimised(own, np.zeros(OWN), np.array([3.0, 3.0]), weights, True)
+    theta, gains = minimum_on_factors(own, np.zeros(OWN), np.array([3.0, 3.0]), weights, True)
     return system_of(columns, kappa, current, Solution(theta, gains, weights, "current", True)), factors
 
 
@@ -99,7 +93,7 @@ def test_a_set_is_solved_as_from_its_rows(known, chosen):
     picked = [*range(OWN), *(OWN + i for i in chosen), -2, -1]
     own = factors[:, :, picked]
     start = system.start
-    theta, gains = minimised(
+    theta, gains = minimum_on_factors(
         own, np.append(start.theta, np.zeros(len(chosen))), start.gains, start.weights, True
     )
     found = solve_set(system, chosen)
@@ -122,7 +116,7 @@ def test_an_order_makes_no_difference_and_nothing_is_solved_twice(known):
 def test_sets_solved_side_by_side_are_those_solved_alone(known):
     system, _ = known
     sets = [one for size in (1, 2, 3) for one in combinations(range(ADDED), size)]
-    alone = [_solved(system, one) for one in sets]
+    alone = [solve_set(replace(system, solved={}), one) for one in sets]
     for found, wanted in zip(solve_sets(system, sets), alone, strict=True):
         assert found.chosen == wanted.chosen
         rounding = 8.0 * np.finfo(float).eps * solve_set(system, ()).fitted
@@ -140,6 +134,10 @@ def test_a_gain_that_ran_away_comes_back_with_what_was_lacking(side_by_side):
     system = system_of(columns, kappa, current, start)
     assert solve_set(system, ()).gains[0] > 10.0 * TRUE[0]
     sets = [(0, 1), (0, 1, 2)]
-    found = solve_sets(system, sets) if side_by_side else [_solved(system, one) for one in sets]
+    found = (
+        solve_sets(system, sets)
+        if side_by_side
+        else [solve_set(replace(system, solved={}), one) for one in sets]
+    )
     for one in found:
         np.testing.assert_allclose(one.gains, TRUE, rtol=1e-3)

@@ -92,9 +92,8 @@ def test_whether_gains_are_fitted_travels_with_what_is_asked(project_root: Path)
     assert given == {
         ("identify.py", "identify"),
         ("problem.py", "problem_of"),
-        ("bilinear.py", "normal_equations"),
-        ("bilinear.py", "minimised"),
-        ("current_error.py", "minimised"),
+        ("bilinear.py", "at"),
+        ("current_error.py", "minimum_on_factors"),
         ("robust.py", "_likeliest"),
         ("solve_only.py", "_weighted"),
     }

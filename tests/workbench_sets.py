@@ -5,14 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.diagnosis.normal_equations import (
-    Candidate,
-    MotorProducts,
-    SetFit,
-    System,
-    solve_set,
-    squared_errors,
-)
+from bench.diagnosis.batched_sets import solve_set
+from bench.diagnosis.motor_products import MotorProducts
+from bench.diagnosis.system import Candidate, SetFit, System, squared_errors
 from bench.identification.solution import Solution
 
 REWEIGHTINGS = 20

@@ -9,7 +9,7 @@ import numpy as np
 from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.candidates import Context, Proposal, context_of, shaped
 from bench.diagnosis.noise import leaves_only_noise, noise_squares
-from bench.diagnosis.normal_equations import System
+from bench.diagnosis.system import System
 from bench.effects import EffectInstance, changes_torque
 from bench.identification.compressed import Stack
 from bench.identification.decision import RULE

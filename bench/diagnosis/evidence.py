@@ -13,8 +13,8 @@ from math import log
 import numpy as np
 
 from bench.effects import EffectInstance
-from bench.identification.bilinear import run_away
 from bench.identification.decision import RULE
+from bench.identification.gauss_newton import run_away
 from bench.identification.prepare import Prepared
 from bench.identification.result import CurrentSeries, Identification
 from bench.identification.solve_only import solved_quickly

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from math import comb, log
 
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.normal_equations import System
 from bench.diagnosis.places import AT_MOTORS, weight_at
+from bench.diagnosis.system import System
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 from bench.diagnosis.base_model import BaseModel, added_effects
+from bench.diagnosis.batched_sets import solve_set
 from bench.diagnosis.evidence import ResidualSumOfSquares, answer_squares
-from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.result import LadderStep
 from bench.diagnosis.round import Round, with_shapes_of
 from bench.diagnosis.search import held_out_error

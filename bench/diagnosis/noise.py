@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from bench.basics.interpolation import cubic_spline
-from bench.diagnosis.normal_equations import System
+from bench.diagnosis.system import System
 from bench.identification.current_noise import current_noise
 from bench.identification.decision import RULE
 from bench.identification.prepare import Prepared

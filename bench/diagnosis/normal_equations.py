@@ -1,18 +1,12 @@
-"""All candidate columns in one system of inner products, so that any set of effects is solved quickly.
-
-The system is formed once. It is relative to the present model's solution, so that forming squares loses no digits; base
-columns are orthonormal, and every candidate's column is orthogonal to them and of unit length, so that squares keep the
-conditioning. A set then costs a Cholesky factorisation of its number of unknowns, whatever the number of samples.
-"""
+"""The columns of all candidates in the equations of every recording, as one system of inner products."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import replace
 
 import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
-from bench.diagnosis.evidence import Samples
+from bench.diagnosis.batched_sets import solve_set
 from bench.diagnosis.motor_products import (
     MotorProducts,
     MotorRows,
@@ -23,20 +17,11 @@ from bench.diagnosis.motor_products import (
     products,
     summed,
 )
+from bench.diagnosis.system import Candidate, SetFit, System
 from bench.effects import EffectInstance, RobotSignals
 from bench.identification.autocorrelation_time import autocorrelation_time, repeats_of
-from bench.identification.bilinear import (
-    errors_by,
-    independent_of,
-    least,
-    moved_gains,
-    normal_equations,
-    run_away,
-    share_within_reach,
-    squares_of,
-)
+from bench.identification.bilinear import errors_by
 from bench.identification.by_recording import columns_without_value
-from bench.identification.decision import RULE
 from bench.identification.effect_rows import effect_rows
 from bench.identification.filtered import forget_motions
 from bench.identification.layout import known_rows, regressor_rows
@@ -44,84 +29,6 @@ from bench.identification.observation import Observation
 from bench.identification.prepare import Prepared
 from bench.identification.solution import Solution
 from bench.identification.tolerances import TOLERANCES
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """An effect at all its possible places; columns: its indices among the system's. lengths (k,): of its weighted
-    columns, which have unit length in the system; zero if the model's columns span it.
-    """
-
-    instances: tuple[EffectInstance, ...]
-    columns: np.ndarray
-    lengths: np.ndarray
-
-
-@dataclass(frozen=True)
-class SetFit:
-    """A set of candidates, solved on the fitted recordings; weighted squares of residuals there and on held-out ones.
-
-    values (k,): coefficients of the system's columns, base first, relative to the present solution; gains (n,).
-    by_motor (2, n): squares of each motor's error, of fitted and of judged recordings.
-    """
-
-    chosen: tuple[int, ...]
-    columns: np.ndarray
-    values: np.ndarray
-    gains: np.ndarray
-    fitted: float
-    held_out: float
-    by_motor: np.ndarray
-
-
-@dataclass(frozen=True)
-class System:
-    """The equations of fitted and judged recordings, with the columns of all candidates.
-
-    base: number of independent columns of the present model. start: its solution, whose weights are one over each
-    motor's current error. autocorrelation_time: rows that count as one, since neighbouring errors correlate. priors:
-    nats that each candidate must bring beyond those of all, zero if empty. by_log: products of every log, by use.
-    solved: cache of solved sets.
-    """
-
-    candidates: tuple[Candidate, ...]
-    base: int
-    start: Solution
-    fitted: MotorProducts
-    held_out: MotorProducts
-    autocorrelation_time: float
-    repeats: float = 1.0
-    priors: tuple[float, ...] = ()
-    by_log: Mapping[str, Mapping[str, MotorProducts]] = field(default_factory=dict)
-    solved: dict[tuple[int, ...], SetFit] = field(default_factory=dict, compare=False, repr=False)
-
-    def prior_of(self, chosen: Sequence[int]) -> float:
-        """Nats that the chosen candidates together must bring."""
-        return RULE.prior * len(chosen) + (sum(self.priors[i] for i in chosen) if self.priors else 0.0)
-
-    @cached_property
-    def samples(self) -> Samples:
-        """The independent samples; periods of a motion count together as far as errors return with it."""
-        together = self.autocorrelation_time * self.repeats
-        fitted, held_out = (part.rows_of_motor / together for part in (self.fitted, self.held_out))
-        return Samples(fitted, held_out)
-
-    def columns_of(self, chosen: Sequence[int]) -> np.ndarray:
-        """Indices of the base columns and those of the chosen candidates."""
-        return np.concatenate([np.arange(self.base), *(self.candidates[i].columns for i in chosen)])
-
-    def independent(self, chosen: Sequence[int]) -> np.ndarray:
-        """Indices of `columns_of` that span them all: one effect may contain another."""
-        added = self.columns_of(chosen)[self.base :] - self.base
-        kept = independent_of(self._among_candidates[np.ix_(added, added)])
-        return np.concatenate((np.arange(self.base), self.base + kept))
-
-    @cached_property
-    def _among_candidates(self) -> np.ndarray:
-        """Inner products of the candidates' columns, weighted as in the present model's solution."""
-        share = (self.start.weights / self.start.gains) ** 2
-        inner = self.fitted.inner[:, self.base : -2, self.base : -2]
-        return np.asarray(np.einsum("j,jrc->rc", share, inner))
 
 
 def build_system(
@@ -193,101 +100,6 @@ def build_system(
         repeats=repeats_of(residuals, returns),
         solved={},
     )
-
-
-def solve_set(system: System, chosen: Sequence[int]) -> SetFit:
-    """Least squares of the current's error with the base columns and the chosen candidates."""
-    key = tuple(sorted(chosen))
-    if key not in system.solved:
-        system.solved[key] = _solved(system, key)
-    return system.solved[key]
-
-
-def squared_errors(products: MotorProducts, fit: SetFit, start: Solution) -> np.ndarray:
-    """Sum of squares (n,) of every motor's current error with a set's solution."""
-    return squares_of(inner_of(products, fit.columns), errors_by(fit.values, fit.gains, start.gains))
-
-
-def _solved(system: System, chosen: tuple[int, ...]) -> SetFit:
-    """Gauss-Newton with step halving, from the best known solution of a smaller set."""
-    start, fit_gains = system.start, system.start.gains_fitted
-    columns, values, gains = start_of(system, chosen)
-    inner = inner_of(system.fitted, columns)
-    squares = start.weights**2
-    cost = float(squares_of(inner, errors_by(values, gains, start.gains)) @ squares)
-    for _ in range(TOLERANCES.steps.most):
-        both = least(*normal_equations(inner, values, gains, start.weights, start.gains, fit_gains))
-        step, by_gain = (
-            both[: len(values)],
-            both[len(values) :] if np.any(fit_gains) else np.zeros(len(gains)),
-        )
-        share = float(share_within_reach(gains, by_gain))
-        while share > 1e-6:
-            new_values, new_gains = values + share * step, moved_gains(gains, share * by_gain)
-            new = float(squares_of(inner, errors_by(new_values, new_gains, start.gains)) @ squares)
-            if new <= cost * (1 + 1e-12):
-                break
-            share /= 2.0
-        else:
-            break
-        converged = bool(has_converged(cost, new, share, new_gains / start.gains))
-        values, gains, cost = new_values, new_gains, new
-        if converged:
-            break
-    errors = errors_by(values, gains, start.gains)
-    held_out = squares_of(inner_of(system.held_out, columns), errors)
-    by_motor = np.stack((squares_of(inner, errors), held_out))
-    return fit_of(system, chosen, columns, values, gains, cost, by_motor)
-
-
-def has_converged(
-    cost: np.ndarray | float, new: np.ndarray | float, share: np.ndarray | float, ratio: np.ndarray
-) -> np.ndarray:
-    """Whether a share of a step lowers the cost too little for another step; ratio (..., n): of the gains."""
-    away = run_away(ratio)
-    fall = np.subtract(cost, new)
-    whole = np.equal(share, 1.0) & (fall <= np.multiply(TOLERANCES.steps.set_converged, cost))
-    return np.asarray(whole | (away & (fall <= np.multiply(TOLERANCES.steps.runaway_set_converged, cost))))
-
-
-def start_of(system: System, chosen: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A set's independent columns (k,), and values (k,) and gains (n,) to start from: the best known of a smaller
-    set.
-    """
-    columns = system.columns_of(chosen)
-    columns = columns[system.independent(chosen)]
-    values, gains = np.zeros(len(columns)), system.start.gains
-    smaller = (system.solved.get(chosen[:i] + chosen[i + 1 :]) for i in range(len(chosen)))
-    near = min((fit for fit in smaller if fit is not None), key=lambda fit: fit.fitted, default=None)
-    if near is not None:
-        every = np.zeros(system.fitted.inner.shape[1])
-        every[near.columns] = near.values
-        values, gains = every[columns], near.gains
-    return columns, values, gains
-
-
-def inner_of(products: MotorProducts, columns: np.ndarray) -> np.ndarray:
-    """Inner products (n, k + 2, k + 2) of some columns (k,), torque and error."""
-    size = products.inner.shape[1]
-    picked = np.append(columns, [size - 2, size - 1])
-    return products.inner[:, picked[:, None], picked]
-
-
-def fit_of(
-    system: System,
-    chosen: tuple[int, ...],
-    columns: np.ndarray,
-    values: np.ndarray,
-    gains: np.ndarray,
-    cost: float,
-    by_motor: np.ndarray,
-) -> SetFit:
-    """A set with the solution in its independent columns (k,), and the squares (2, n) of its error."""
-    every = system.columns_of(chosen)
-    whole = np.zeros(system.fitted.inner.shape[1])
-    whole[columns] = values
-    held_out = float(by_motor[1] @ system.start.weights**2)
-    return SetFit(chosen, every, whole[every], gains, cost, held_out, by_motor)
 
 
 def _added(

@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import expit
 
+from bench.diagnosis.batched_sets import solve_set
 from bench.diagnosis.evidence import Samples, residual_squares
-from bench.diagnosis.normal_equations import Candidate, System, solve_set
 from bench.diagnosis.significance import wrong_signs
+from bench.diagnosis.system import Candidate, System
 from bench.effects import EffectInstance, places_in
 from bench.effects.select import at_joint
 from bench.identification.decision import RULE

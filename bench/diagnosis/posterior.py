@@ -9,10 +9,10 @@ from scipy.special import expit
 
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.evidence import Samples
-from bench.diagnosis.normal_equations import System
 from bench.diagnosis.reason import Because, Reason
 from bench.diagnosis.result import EffectVerdict, ProbableSet, Unexplained
 from bench.diagnosis.search import Selection, held_out_error, log_posterior, possible
+from bench.diagnosis.system import System
 from bench.identification.decision import RULE
 from bench.identification.tolerances import TOLERANCES
 

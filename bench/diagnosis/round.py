@@ -6,12 +6,12 @@ from functools import cached_property
 
 from bench.basics.progress import Progress
 from bench.diagnosis.base_model import BaseModel, added_effects
-from bench.diagnosis.batched_sets import solve_sets, swapped
+from bench.diagnosis.batched_sets import solve_set, solve_sets, swapped
 from bench.diagnosis.candidates import Context, Proposal, shaped
 from bench.diagnosis.evidence import ResidualSumOfSquares, effects_prior, residual_squares
 from bench.diagnosis.noise import leaves_only_noise
-from bench.diagnosis.normal_equations import System, solve_set
 from bench.diagnosis.search import Selection, contains
+from bench.diagnosis.system import System
 from bench.effects import EffectInstance
 from bench.identification.decision import RULE
 from bench.identification.nonlinear import settles

@@ -10,9 +10,10 @@ from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.base_model import BaseModel, added_names, restarted
 from bench.diagnosis.candidates import Proposal, partners, propose
 from bench.diagnosis.fewer_places import at_its_places, best_places, most_gained
-from bench.diagnosis.normal_equations import System, build_system
+from bench.diagnosis.normal_equations import build_system
 from bench.diagnosis.round import Round, in_their_shape, reshaped_proposals, usable
 from bench.diagnosis.search import best_set, neighbours, score_set, search
+from bench.diagnosis.system import System
 from bench.effects import Effect, EffectInstance
 from bench.identification.decision import RULE
 from bench.identification.nonlinear import settles

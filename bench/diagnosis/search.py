@@ -7,9 +7,9 @@ from itertools import combinations
 import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
-from bench.diagnosis.batched_sets import enlarged, reduced, solve_sets, swapped
+from bench.diagnosis.batched_sets import enlarged, reduced, solve_set, solve_sets, swapped
 from bench.diagnosis.evidence import Samples
-from bench.diagnosis.normal_equations import Candidate, SetFit, System, solve_set, squared_errors
+from bench.diagnosis.system import Candidate, SetFit, System, squared_errors
 from bench.identification.decision import RULE
 from bench.identification.tolerances import TOLERANCES
 

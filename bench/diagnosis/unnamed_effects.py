@@ -13,8 +13,9 @@ import numpy as np
 
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.evidence import Samples
-from bench.diagnosis.normal_equations import SetFit, System, inner_of
-from bench.identification.bilinear import normal_equations
+from bench.diagnosis.motor_products import products_of_sets
+from bench.diagnosis.system import SetFit, System
+from bench.identification.bilinear import OnProducts
 from bench.identification.decision import RULE
 from bench.identification.tolerances import TOLERANCES
 
@@ -75,8 +76,12 @@ def _weighted_equations(
     start = system.start
     count = samples.fitted * (samples.coarsening / RULE.coarsening)
     precision = np.sqrt(count / np.maximum(fit.by_motor[0], np.finfo(float).tiny))
-    inner = inner_of(system.fitted, columns)
-    return normal_equations(inner, values, fit.gains, precision, start.gains, start.gains_fitted)
+    products = products_of_sets(
+        system.fitted, system.base, [columns[system.base :]], len(columns) - system.base
+    )
+    point = OnProducts.at(products, start.gains, start.gains_fitted, values[None], fit.gains[None])
+    (normal,), (right,) = point.equations(precision)
+    return normal, right
 
 
 def _inverse(normal: np.ndarray) -> np.ndarray:

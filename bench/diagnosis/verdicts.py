@@ -5,7 +5,6 @@ from dataclasses import replace
 
 from bench.diagnosis.batched_sets import solve_sets, swapped
 from bench.diagnosis.candidates import Proposal
-from bench.diagnosis.normal_equations import System
 from bench.diagnosis.posterior import Posterior, with_probability
 from bench.diagnosis.pruning import refused
 from bench.diagnosis.reason import Because, Doubt, Reason
@@ -15,6 +14,7 @@ from bench.diagnosis.search import Scored, close, contains, held_out_error, poss
 from bench.diagnosis.search_result import SearchResult
 from bench.diagnosis.split_problem import SplitProblem
 from bench.diagnosis.starting import given_wholly
+from bench.diagnosis.system import System
 from bench.identification.decision import RULE
 from bench.identification.effect_torques import sizes_of
 from bench.identification.result import Identification

@@ -6,9 +6,9 @@ from dataclasses import replace
 from bench.diagnosis.batched_sets import reduced
 from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.motor_products import summed
-from bench.diagnosis.normal_equations import System
 from bench.diagnosis.result import WithoutLog
 from bench.diagnosis.search import Selection, possible, score_set, scored
+from bench.diagnosis.system import System
 from bench.identification.prepare import Prepared
 
 

@@ -7,7 +7,6 @@ are the more exact the nearer the reference is: they hold squares of its error, 
 """
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -19,55 +18,26 @@ from bench.identification.tolerances import TOLERANCES
 TINY = float(np.finfo(float).tiny)
 
 
-def normal_equations(
-    inner: np.ndarray,
-    values: np.ndarray,
-    gains: np.ndarray,
-    weights: np.ndarray,
-    start: np.ndarray,
-    fit_gains: Fitted,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Matrix and right side of a Gauss-Newton step: values (..., k), then gains (..., n) if any is fitted; the others
-    do not move.
-
-    inner: (..., n, k + 2, k + 2) inner products; leading axes are separate problems. weights (n,): of the errors; start
-    (n,): the gains that torque and error belong to.
-    """
-    k, n = values.shape[-1], gains.shape[-1]
-    share = weights**2 / gains  # of torque in the weighted squares, with another of the gains to come
-    by_error = (inner @ errors_by(values, gains, start)[..., None])[..., 0]
-    right = (share[..., None, :] @ by_error[..., :k])[..., 0, :]
-    flat = (share / gains)[..., None, :] @ inner.reshape(*inner.shape[:-2], -1)
-    normal = flat.reshape(*gains.shape[:-1], k + 2, k + 2)[..., :k, :k]
-    if not np.any(fit_gains):
-        return normal, right
-    torque = np.zeros((*gains.shape, k + 2))
-    torque[..., :k], torque[..., k] = values[..., None, :], 1.0
-    torque /= gains[..., None]
-    torque *= np.reshape(fit_gains, (-1, 1))
-    by_torque = (inner @ torque[..., None])[..., 0]
-    across = -(share / gains)[..., None] * by_torque[..., :k]
-    diagonal = np.where(fit_gains, share / gains * (torque * by_torque).sum(axis=-1), 1.0)[
-        ..., None
-    ] * np.eye(n)
-    whole = np.empty((*gains.shape[:-1], k + n, k + n))
-    whole[..., :k, :k], whole[..., k:, k:] = normal, diagonal
-    whole[..., k:, :k], whole[..., :k, k:] = across, across.swapaxes(-1, -2)
-    return whole, np.concatenate((right, -share * (torque * by_error).sum(axis=-1)), axis=-1)
-
-
 def least(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solution of normal equations, scaled to a unit diagonal; of minimum norm where they are singular."""
-    diagonal = normal.diagonal()
+    """Solutions (..., k) of normal equations (..., k, k), scaled to a unit diagonal; of minimum norm where singular."""
+    diagonal = np.einsum("...rr->...r", normal)
     lengths = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-    scaled = normal / lengths[:, None] / lengths
-    factor, solution, failed = dposv(scaled, right / lengths, lower=1)
-    if not failed and factor.diagonal().min(initial=1.0) > TOLERANCES.rank.pivot:
-        return np.asarray(solution) / lengths
+    scaled = normal / lengths[..., :, None] / lengths[..., None, :]
+    solutions = right / lengths
+    k = right.shape[-1]
+    for matrix, vector in zip(scaled.reshape(-1, k, k), solutions.reshape(-1, k), strict=True):
+        factor, solved, failed = dposv(matrix.T, vector, lower=1)
+        sound = not failed and factor.diagonal().min(initial=1.0) > TOLERANCES.rank.pivot
+        vector[:] = solved if sound else _least_norm(matrix, vector)
+    return np.asarray(solutions / lengths)
+
+
+def _least_norm(scaled: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The solution of minimum norm of singular equations with a unit diagonal."""
     values, vectors = np.linalg.eigh(scaled)
     kept = values > TOLERANCES.rank.pivot**2 * values[-1]
     along = vectors[:, kept]
-    return np.asarray(along @ ((along.T @ (right / lengths)) / values[kept])) / lengths
+    return np.asarray(along @ ((along.T @ right) / values[kept]))
 
 
 def independent_of(inner: np.ndarray) -> np.ndarray:
@@ -79,32 +49,6 @@ def independent_of(inner: np.ndarray) -> np.ndarray:
         return np.arange(0)
     _, pivots, rank, _ = dpstrf(inner, tol=TOLERANCES.rank.pivot**2, lower=1)
     return np.sort(pivots[:rank] - 1)
-
-
-def creeps(fall: float, last: float, unseen: float) -> bool:
-    """Whether steps creep: each lowers the cost by less than `unseen`, in a hardly determined direction."""
-    return TOLERANCES.steps.creeping * last < fall <= unseen
-
-
-def run_away(ratio: np.ndarray) -> np.ndarray:
-    """Whether a gain has run away, so that a solution is useless; ratio (..., n): of the gains to those of the
-    reference.
-    """
-    factor = TOLERANCES.steps.runaway_factor
-    return np.asarray(~((ratio > 1.0 / factor) & (ratio < factor)).all(axis=-1))
-
-
-def share_within_reach(gains: np.ndarray, by_gain: np.ndarray) -> np.ndarray:
-    """Share (...) of a whole step at which no gain (..., n) changes by more than a factor."""
-    most = TOLERANCES.steps.gain_factor
-    change = by_gain / gains
-    up, down = change.max(axis=-1) / (1.0 - 1.0 / most), -change.min(axis=-1) / (most - 1.0)
-    return np.asarray(1.0 / np.maximum(1.0, np.maximum(up, down)))
-
-
-def moved_gains(gains: np.ndarray, by_gain: np.ndarray) -> np.ndarray:
-    """Gains after a step, which moves their inverses, since the errors are linear in these."""
-    return gains / (1.0 - by_gain / gains)
 
 
 def errors_by(values: np.ndarray, gains: np.ndarray, start: np.ndarray) -> np.ndarray:
@@ -122,14 +66,146 @@ def squares_of(inner: np.ndarray, errors: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Reached:
-    """Where steps ended, values (b,) and gains (n,), and why: the cost hardly falls any more, the gains are far from
-    those of the reference, or no part of the next step lowers the cost.
+class SharedProducts:
+    """Inner products of every motor's [base, added, torque, error] in S problems: b shared columns, c of each problem.
+
+    base (n, b, b); across (S, n, b, c + 2): base by a problem's other columns; within (S, n, c + 2, c + 2).
     """
 
+    base: np.ndarray
+    across: np.ndarray
+    within: np.ndarray
+
+    def combined(self, errors: np.ndarray) -> np.ndarray:
+        """Inner products (S, n, b + c + 2) of all columns with errors of coefficients (S, n, b + c + 2)."""
+        b = self.base.shape[1]
+        shared, single = errors[..., :b], errors[..., b:, None]
+        result = np.empty(errors.shape)
+        result[..., :b] = np.matmul(shared.swapaxes(0, 1), self.base).swapaxes(0, 1)
+        result[..., :b] += (self.across @ single)[..., 0]
+        result[..., b:] = (shared[..., None, :] @ self.across)[..., 0, :]
+        result[..., b:] += (self.within @ single)[..., 0]
+        return result
+
+    def weighted(self, shares: np.ndarray) -> np.ndarray:
+        """The products of columns (S, b + c, b + c), all motors with shares (S, n)."""
+        sets, n, b, c = self.across.shape
+        c -= 2
+        result = np.empty((sets, b + c, b + c))
+        result[:, :b, :b] = (shares @ self.base.reshape(n, -1)).reshape(sets, b, b)
+        cross = (shares[:, None] @ self.across.reshape(sets, n, -1)).reshape(sets, b, c + 2)[..., :c]
+        result[:, :b, b:], result[:, b:, :b] = cross, cross.swapaxes(1, 2)
+        among = shares[:, None] @ self.within.reshape(sets, n, -1)
+        result[:, b:, b:] = among.reshape(sets, c + 2, c + 2)[:, :c, :c]
+        return result
+
+    def of_torque(self, start: np.ndarray) -> np.ndarray:
+        """Products (S, n, b + c + 2) of all columns with the measured current, torque / start + error."""
+        every = np.concatenate((self.across, self.within), axis=2)
+        return np.asarray(every[..., -2] / start[:, None] + every[..., -1])
+
+    def some(self, which: np.ndarray) -> "SharedProducts":
+        """Those of some of the problems, (S,) True or False."""
+        return SharedProducts(self.base, self.across[which], self.within[which])
+
+
+@dataclass(frozen=True)
+class WholeProducts:
+    """As `SharedProducts`, of one problem that shares no column: inner (n, k + 2, k + 2)."""
+
+    inner: np.ndarray
+
+    def combined(self, errors: np.ndarray) -> np.ndarray:
+        """See `SharedProducts`."""
+        return np.asarray((self.inner @ errors[..., None])[..., 0])
+
+    def weighted(self, shares: np.ndarray) -> np.ndarray:
+        """See `SharedProducts`."""
+        size = self.inner.shape[1]
+        whole = shares @ self.inner.reshape(len(self.inner), -1)
+        return np.asarray(whole.reshape(-1, size, size)[:, :-2, :-2])
+
+    def of_torque(self, start: np.ndarray) -> np.ndarray:
+        """See `SharedProducts`."""
+        return np.asarray(self.inner[None, ..., -2] / start[:, None] + self.inner[None, ..., -1])
+
+    def some(self, which: np.ndarray) -> "WholeProducts":  # noqa: ARG002 - there is only one
+        """See `SharedProducts`."""
+        return self
+
+
+@dataclass(frozen=True)
+class OnProducts:
+    """S problems at values (S, k) and gains (S, n), from their inner products; see `gauss_newton.Bilinear`.
+
+    start (n,): the gains that torque and error belong to. errors (S, n, k + 2): coefficients of the errors; by_error:
+    the products of all columns with these.
+    """
+
+    products: SharedProducts | WholeProducts
+    start: np.ndarray
+    fit_gains: Fitted
     values: np.ndarray
     gains: np.ndarray
-    why: Literal["converged", "far", "stuck"]
+    errors: np.ndarray
+    by_error: np.ndarray
+    squares: np.ndarray
+
+    @classmethod
+    def at(
+        cls,
+        products: SharedProducts | WholeProducts,
+        start: np.ndarray,
+        fit_gains: Fitted,
+        values: np.ndarray,
+        gains: np.ndarray,
+    ) -> "OnProducts":
+        """The problems at these values and gains."""
+        errors = errors_by(values, gains, start)
+        by_error = products.combined(errors)
+        squares = np.maximum(np.einsum("snk,snk->sn", errors, by_error), TINY)
+        return cls(products, start, fit_gains, values, gains, errors, by_error, squares)
+
+    def moved(self, values: np.ndarray, gains: np.ndarray) -> "OnProducts":
+        """See `gauss_newton.Bilinear`."""
+        return self.at(self.products, self.start, self.fit_gains, values, gains)
+
+    def some(self, which: np.ndarray) -> "OnProducts":
+        """See `gauss_newton.Bilinear`."""
+        parts = (self.values, self.gains, self.errors, self.by_error, self.squares)
+        return OnProducts(
+            self.products.some(which), self.start, self.fit_gains, *(part[which] for part in parts)
+        )
+
+    def step(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """See `gauss_newton.Bilinear`."""
+        k, solution = self.values.shape[1], least(*self.equations(weights))
+        gains = solution[:, k:] if np.any(self.fit_gains) else np.zeros_like(self.gains)
+        return solution[:, :k], gains
+
+    def equations(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Matrices and right sides of a Gauss-Newton step: values, then gains if any is fitted; others do not move."""
+        k, n = self.values.shape[1], len(self.start)
+        share = (
+            weights**2 / self.gains
+        )  # of torque in the weighted squares, with another of the gains to come
+        some = bool(np.any(self.fit_gains))
+        size = k + (n if some else 0)
+        normal, right = np.zeros((len(share), size, size)), np.empty((len(share), size))
+        normal[:, :k, :k] = self.products.weighted(share / self.gains)
+        right[:, :k] = (share[:, None] @ self.by_error[..., :k])[:, 0]
+        if some:
+            fitted = np.reshape(self.fit_gains, (-1, 1))
+            by_torque = (self.products.of_torque(self.start) - self.by_error) * fitted
+            torque = -self.errors[..., : k + 1]
+            torque[..., k] = 1.0 / self.gains
+            torque *= fitted
+            normal[:, k:, :k] = -(share / self.gains)[..., None] * by_torque[..., :k]
+            normal[:, :k, k:] = normal[:, k:, :k].swapaxes(1, 2)
+            diagonal = share / self.gains * np.einsum("snk,snk->sn", torque, by_torque[..., : k + 1])
+            normal[:, k + np.arange(n), k + np.arange(n)] = np.where(self.fit_gains, diagonal, 1.0)
+            right[:, k:] = -share * np.einsum("snk,snk->sn", torque, self.by_error[..., : k + 1])
+        return normal, right
 
 
 @dataclass(frozen=True)
@@ -153,43 +229,9 @@ class Centred:
         """Sum of squares (n,) of every motor's current error."""
         return squares_of(self.inner, errors_by(values, gains, self.gains))
 
-    def minimised(
-        self,
-        values: np.ndarray,
-        gains: np.ndarray,
-        weights: np.ndarray,
-        fit_gains: Fitted,
-        tolerance: float,
-        most_steps: int,
-        unseen: float = 0.0,
-    ) -> Reached | None:
-        """Gauss-Newton steps with step halving, until the relative decrease of the weighted cost is below `tolerance`.
-
-        unseen: decrease below which creeping steps end, too; see `creeps`. None if the cost still falls after
-        `most_steps`.
-        """
-        bounds, squares, n = TOLERANCES.steps, weights**2, len(gains)
-        cost, last = float(self.squares(values, gains) @ squares), np.inf
-        for _ in range(most_steps):
-            both = least(*normal_equations(self.inner, values, gains, weights, self.gains, fit_gains))
-            step, by_gain = both[: len(values)], both[len(values) :] if np.any(fit_gains) else np.zeros(n)
-            share = 1.0 / max(1.0, 2.0 * float(np.abs(by_gain / gains).max()))
-            while True:
-                new_values, new_gains = values + share * step, gains + share * by_gain
-                new = float(self.squares(new_values, new_gains) @ squares)
-                if new <= cost * (1.0 + bounds.rounding):
-                    break
-                share /= 2.0
-                if share < bounds.least_share:
-                    return Reached(values, gains, "stuck")
-            fall = cost - new
-            converged = share == 1.0 and (fall <= tolerance * cost or creeps(fall, last, unseen * cost))
-            values, gains, cost, last = new_values, new_gains, new, fall
-            ratio = gains / self.gains
-            far = bool(ratio.max() > bounds.recentred_factor or ratio.min() < 1.0 / bounds.recentred_factor)
-            if converged or far:
-                return Reached(values, gains, "far" if far and fall > bounds.endless * cost else "converged")
-        return None
+    def at(self, values: np.ndarray, gains: np.ndarray, fit_gains: Fitted) -> OnProducts:
+        """The problem at values (b,) and gains (n,)."""
+        return OnProducts.at(WholeProducts(self.inner), self.gains, fit_gains, values[None], gains[None])
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,14 @@ arises, whatever the gains. Gauss-Newton steps solve this bilinear problem, firs
 factors about the starting solution, last on the factors themselves.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from bench.identification.bilinear import FactorProducts, products_of
 from bench.identification.compressed import Stack
+from bench.identification.gauss_newton import Until, minimised
 from bench.identification.least_squares import weighted_least_squares
 from bench.identification.solution import Fitted, NominalGains, Solution, scaled_lstsq
 from bench.identification.tolerances import TOLERANCES
@@ -30,7 +32,7 @@ def current_error(stack: Stack, start: Solution) -> Solution:
         theta, gains, weights = nearly.theta, nearly.gains, nearly.weights
         passes = [TOLERANCES.steps.converged]
     for tolerance in passes:
-        theta, gains = minimised(stack.factors, theta, gains, weights, start.gains_fitted, tolerance)
+        theta, gains = minimum_on_factors(stack.factors, theta, gains, weights, start.gains_fitted, tolerance)
         weights = error_weights(stack, squared_errors(stack.factors, theta, gains))
     return Solution(theta, gains, weights, "current", start.gains_fitted)
 
@@ -69,16 +71,13 @@ def from_products(
     for i, tolerance in enumerate(_tolerances()):
         if i:
             weights = error_weights(stack, near.squares(values, gains))
+        until = Until(tolerance, unseen, reach=TOLERANCES.steps.recentred_factor, tolerance_beyond=1.0)
         while True:
-            minimum = near.minimised(
-                values, gains, weights, fit_gains, tolerance, TOLERANCES.steps.most, unseen
-            )
-            if minimum is None:
-                return None
-            values, gains = minimum.values, minimum.gains
-            if minimum.why == "converged" or (minimum.why == "stuck" and anew):
+            minimum = minimised(near.at(values, gains, fit_gains), near.gains, weights, until)
+            (values,), (gains,), (why,) = minimum.values, minimum.gains, minimum.why
+            if why == "converged" or (why == "stuck" and anew):
                 break
-            if not anew:
+            if why == "unfinished" or not anew:
                 return None
             anew -= 1
             near, values = products.about(near.theta_at(values), gains), np.zeros_like(values)
@@ -103,7 +102,47 @@ def log_likelihood(stack: Stack, solution: Solution) -> float:
     return float(len(stack.current) * np.log(weights).sum())
 
 
-def minimised(
+@dataclass(frozen=True)
+class OnFactors:
+    """One problem, at values (1, p) and gains (1, n), from factors (n, r, p + 2) of [phi, kappa, current]; see
+    `gauss_newton.Bilinear`.
+    """
+
+    factors: np.ndarray
+    fit_gains: Fitted
+    values: np.ndarray
+    gains: np.ndarray
+
+    @cached_property
+    def squares(self) -> np.ndarray:
+        """Sum of squares (1, n) of every motor's current error."""
+        return squared_errors(self.factors, self.values[0], self.gains[0])[None]
+
+    def moved(self, values: np.ndarray, gains: np.ndarray) -> "OnFactors":
+        """See `gauss_newton.Bilinear`."""
+        return replace(self, values=values, gains=gains)
+
+    def some(self, which: np.ndarray) -> "OnFactors":
+        """See `gauss_newton.Bilinear`; there is only one."""
+        return replace(self, values=self.values[which], gains=self.gains[which])
+
+    def step(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """See `gauss_newton.Bilinear`."""
+        (n, r, _), p, gains = self.factors.shape, self.values.shape[1], self.gains[0]
+        some = bool(np.any(self.fit_gains))
+        scaled = self.factors * (weights / gains)[:, None, None]
+        modelled = scaled[:, :, :p] @ self.values[0] + scaled[:, :, p]
+        residual = self.factors[:, :, p + 1] * weights[:, None] - modelled
+        jacobian = np.zeros((n, r, p + (n if some else 0)))
+        jacobian[:, :, :p] = scaled[:, :, :p]
+        if some:
+            by_gain = -modelled / gains[:, None] * np.reshape(self.fit_gains, (-1, 1))
+            jacobian[np.arange(n), :, p + np.arange(n)] = by_gain
+        step = scaled_lstsq(jacobian.reshape(n * r, -1), residual.reshape(-1))
+        return step[None, :p], step[None, p:] if some else np.zeros_like(self.gains)
+
+
+def minimum_on_factors(
     factors: np.ndarray,
     theta: np.ndarray,
     gains: np.ndarray,
@@ -111,43 +150,14 @@ def minimised(
     fit_gains: Fitted,
     tolerance: float | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Newton with step halving on factors (n, r, p + 2), until the cost falls by less than a share.
+    """Theta (p,) and gains (n,) of the least weighted error, by steps on factors (n, r, p + 2) from a start.
 
-    tolerance: that share; by default that of a converged model.
+    tolerance: relative decrease of the cost in the last step; by default that of a converged model.
     """
     tolerance = TOLERANCES.steps.converged if tolerance is None else tolerance
-    n, r, p = factors.shape[0], factors.shape[1], len(theta)
-    squares = weights**2
-    cost = float(squared_errors(factors, theta, gains) @ squares)
-    for _ in range(TOLERANCES.steps.most):
-        scaled = factors * (weights / gains)[:, None, None]
-        phi = scaled[:, :, :p]
-        modelled = phi @ theta + scaled[:, :, p]
-        residual = factors[:, :, p + 1] * weights[:, None] - modelled
-        any_gain = bool(np.any(fit_gains))
-        jacobian = np.zeros((n, r, p + (n if any_gain else 0)))
-        jacobian[:, :, :p] = phi
-        if any_gain:
-            jacobian[np.arange(n), :, p + np.arange(n)] = (
-                -modelled / gains[:, None] * np.reshape(fit_gains, (-1, 1))
-            )
-        step = scaled_lstsq(jacobian.reshape(n * r, -1), residual.reshape(-1))
-        change = np.append(step[p:] / gains, 0.0) if any_gain else np.zeros(1)
-        share = 1.0 / max(1.0, 2.0 * float(np.abs(change).max()))
-        while share > 1e-6:
-            new_theta = theta + share * step[:p]
-            new_gains = gains + share * step[p:] if any_gain else gains
-            new_cost = float(squared_errors(factors, new_theta, new_gains) @ squares)
-            if new_cost <= cost * (1 + 1e-12):
-                break
-            share /= 2.0
-        else:
-            return theta, gains
-        converged = share == 1.0 and cost - new_cost <= tolerance * cost
-        theta, gains, cost = new_theta, new_gains, new_cost
-        if converged:
-            break
-    return theta, gains
+    start = OnFactors(factors, fit_gains, theta[None], gains[None])
+    minimum = minimised(start, gains, weights, Until(tolerance))
+    return minimum.values[0], minimum.gains[0]
 
 
 def current_floor(stack: Stack) -> float:

@@ -9,7 +9,7 @@ from bench.basics.errors import BenchError
 from bench.basics.threads import on_one_thread
 from bench.dataset.payload import Payload
 from bench.identification.compressed import triangular_factors
-from bench.identification.current_error import minimised, squared_errors
+from bench.identification.current_error import minimum_on_factors, squared_errors
 from bench.identification.filtered import Measured
 from bench.identification.finding import Code, Finding
 from bench.identification.observation import observe
@@ -154,7 +154,7 @@ class _LoadTrial:
         factors = triangular_factors(np.concatenate(parts, axis=1).swapaxes(0, 1))
         gains = self.prepared.gains
         theta, fitted_gains = least_squares(factors, gains)
-        theta, fitted_gains = minimised(
+        theta, fitted_gains = minimum_on_factors(
             factors, theta, fitted_gains, np.ones(len(fitted_gains)), gains.fitted
         )
         whole = (factors[:, :, -1] ** 2).sum(axis=1)

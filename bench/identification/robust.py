@@ -15,7 +15,7 @@ import numpy as np
 
 from bench.identification.bounded import minimum_between
 from bench.identification.compressed import Stack, compress
-from bench.identification.current_error import current_error, current_floor, minimised
+from bench.identification.current_error import current_error, current_floor, minimum_on_factors
 from bench.identification.finding import Code, Finding
 from bench.identification.observation import Observation
 from bench.identification.solution import Fitted, Solution, scaled_lstsq, torque_system
@@ -84,7 +84,7 @@ def _likeliest(
     weights = _weights(error / scale, freedom) * moving
     for _ in range(TOLERANCES.robust.rounds if most is None else most):
         factors = weighted_rows(stack, np.sqrt(weights)).factors
-        theta, gains = minimised(
+        theta, gains = minimum_on_factors(
             factors, theta, gains, 1.0 / scale, fit_gains, TOLERANCES.steps.between_weights
         )
         error = _error(stack, theta, gains)

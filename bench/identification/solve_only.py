@@ -17,13 +17,13 @@ from bench.identification.bilinear import (
     FactorProducts,
     least,
     products_of,
-    run_away,
     squares_of,
 )
 from bench.identification.compressed import Stack, stack_observations
 from bench.identification.current_error import current_error, error_weights, from_products, squared_errors
 from bench.identification.effect_rows import effect_rows
 from bench.identification.fixed_columns import FixedColumns, fits, fixed_columns, stacked_with_fixed
+from bench.identification.gauss_newton import run_away
 from bench.identification.identifiability_of_effects import identifiable_columns, reduced, with_zeros
 from bench.identification.least_squares import weighted_least_squares
 from bench.identification.prepare import Prepared
@@ -190,11 +190,12 @@ def _weighted(about: Centred, lengths: np.ndarray, *, fit_gains: Fitted) -> tupl
     by_current = (about.inner @ current[:, :, None])[:, :, 0]
     current_products = (current * by_current).sum(axis=1)
     towards = about.inner[:, :b, b + 1] * start[:, None]
+    columns = about.inner[:, :b, :b].reshape(n, -1)
     weights, solution = np.ones(n), np.zeros(b + len(motors))
     normal, right = np.zeros((len(solution), len(solution))), np.zeros(len(solution))
     for remaining in range(TOLERANCES.steps.reweightings, -1, -1):
         squares = weights**2
-        normal[:b, :b] = np.tensordot(squares, about.inner[:, :b, :b], axes=1)
+        normal[:b, :b] = (squares @ columns).reshape(b, b)
         right[:b] = squares @ towards
         if some:
             normal[motors, :b] = -squares[:, None] * by_current[:, :b] * np.reshape(fit_gains, (-1, 1))

@@ -10,7 +10,7 @@ from bench.basics.deadline import NEVER, Deadline
 from bench.basics.threads import on_one_thread
 from bench.dataset.payload import Payload
 from bench.identification.compressed import triangular_factors
-from bench.identification.current_error import minimised, squared_errors
+from bench.identification.current_error import minimum_on_factors, squared_errors
 from bench.identification.finding import Code, Finding
 from bench.identification.layout import ParameterLayout, known_rows, regressor_rows
 from bench.identification.observation import Observation, all_currents
@@ -159,5 +159,5 @@ class ColumnsTrial:
         """
         theta, gains = self.solved(factors, nominal=nominal)
         if least:
-            theta, gains = minimised(factors, theta, gains, np.ones(len(gains)), self.gains.fitted)
+            theta, gains = minimum_on_factors(factors, theta, gains, np.ones(len(gains)), self.gains.fitted)
         return float(np.sqrt(squared_errors(factors, theta, gains).sum() / (factors[:, :, -1] ** 2).sum()))

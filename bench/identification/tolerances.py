@@ -30,7 +30,6 @@ class RankBounds:
     combination: float = 1e-9
     column_error: float = 1e-9  # error of a column for which no error is known
     square: float = 1e-150  # times the nominal gain: the square of a smaller number underflows
-    ridge_of_sets: float = 1e-13  # added to a unit diagonal, so that one dependent set does not stop all
     ridge_of_terms: float = 1e-9  # added to a unit diagonal, so that equal parts of a term can be solved
     ratio: float = 1e-6  # distance of the ratio of two rates from a whole number
     digits: int = 7  # decimals of the explained share by which terms are sorted
@@ -50,7 +49,6 @@ class StepBounds:
     endless: float = 1e-12  # the same, above which gains run away without end
     rounding: float = 1e-9  # relative growth of the cost that rounding can cause
     least_share: float = 1e-3  # of a step; a shorter one is not tried
-    halvings: int = 8  # of a step; after them a set is solved alone
     gain_factor: float = 4.0  # largest factor by which one step changes a gain
     runaway_factor: float = 30.0  # factor between a gain and its start, beyond which it has run away
     recentred_factor: float = 2.0  # the same, beyond which products are too inexact and are formed again
@@ -197,7 +195,6 @@ class SearchBounds:
     largest: int = 6  # effects in a set
     changes: int = 6  # of a set
     starts: int = 4  # from which the search starts, apart from the empty one
-    together: int = 2  # fewest that are solved together
     together_unknowns: float = 1.2  # ratio of the unknowns of sets that are solved together
     one_more: int = 2  # with one effect more than the answer that are fitted, the best supported first
     # of an effect that is too small to be named, over the standard error of what shows best of it

@@ -4,11 +4,11 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from math import hypot
 
+from bench.diagnosis.batched_sets import solve_set
 from bench.diagnosis.discovery.grammar import name_of
 from bench.diagnosis.discovery.laws import Law
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
-from bench.diagnosis.normal_equations import solve_set
 from bench.diagnosis.reason import Because, Doubt, Reason
 from bench.diagnosis.result import (
     Diagnosis,
