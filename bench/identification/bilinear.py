@@ -19,10 +19,14 @@ TINY = float(np.finfo(float).tiny)
 
 
 def least(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solutions (..., k) of normal equations (..., k, k), scaled to a unit diagonal; of minimum norm where singular."""
+    """Solutions (..., k) of normal equations (..., k, k), scaled to a unit diagonal; of minimum norm where singular,
+    such as zero for a column of zeros.
+    """
     diagonal = np.einsum("...rr->...r", normal)
-    lengths = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    there = diagonal > 0.0
+    lengths = np.sqrt(np.where(there, diagonal, 1.0))
     scaled = normal / lengths[..., :, None] / lengths[..., None, :]
+    np.einsum("...rr->...r", scaled)[...] += ~there
     solutions = right / lengths
     k = right.shape[-1]
     for matrix, vector in zip(scaled.reshape(-1, k, k), solutions.reshape(-1, k), strict=True):

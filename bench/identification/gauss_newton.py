@@ -1,7 +1,7 @@
 """Gauss-Newton steps for errors of currents that are bilinear in unknown values and drive gains, of many problems at
 once.
 
-The errors are linear in the values and in the inverses of the gains, so a step moves these inverses.
+Values and gains move in proportion: a gain that the data do not determine takes the torques of its motor along.
 """
 
 from dataclasses import dataclass
@@ -77,11 +77,11 @@ def minimised(start: Bilinear, reference: np.ndarray, weights: np.ndarray, until
     now, open_ones = start, np.arange(len(gains))
     cost, last = now.squares @ squared, np.full(len(gains), np.inf)
     for _ in range(bounds.most):
-        new, share = _lower(now, cost, weights)
+        new, whole = _lower(now, cost, weights)
         new_cost = new.squares @ squared
         fall, lower = cost - new_cost, new_cost <= cost * (1.0 + bounds.rounding)
         far = beyond(new.gains / reference, until.reach)
-        ends = (share == 1.0) & ((fall <= until.tolerance * cost) | creeps(fall, last, until.unseen * cost))
+        ends = whole & ((fall <= until.tolerance * cost) | creeps(fall, last, until.unseen * cost))
         ends |= far & (fall <= until.tolerance_beyond * cost)
         at = open_ones[lower]
         values[at], gains[at], squares[at] = new.values[lower], new.gains[lower], new.squares[lower]
@@ -97,31 +97,28 @@ def minimised(start: Bilinear, reference: np.ndarray, weights: np.ndarray, until
 
 
 def _lower(now: Bilinear, cost: np.ndarray, weights: np.ndarray) -> tuple[Bilinear, np.ndarray]:
-    """The problems after a share (S,) of their steps at which the cost (S,) is no higher, or after the least share."""
+    """The problems after steps within reach, halved until the cost (S,) is no higher, and whether they are not (S,)."""
     bounds = TOLERANCES.steps
     step, by_gain = now.step(weights)
     share = share_within_reach(now.gains, by_gain)
+    whole = np.ones(len(share), dtype=bool)
     while True:
         part = share[:, None]
-        new = now.moved(now.values + part * step, moved_gains(now.gains, part * by_gain))
+        new = now.moved(now.values + part * step, now.gains + part * by_gain)
         lower = new.squares @ weights**2 <= cost * (1.0 + bounds.rounding)
         halved = ~lower & (share > bounds.least_share)
         if not halved.any():
-            return new, share
+            return new, whole
         share[halved] /= 2.0
+        whole &= ~halved
 
 
 def share_within_reach(gains: np.ndarray, by_gain: np.ndarray) -> np.ndarray:
     """Share (...) of a whole step at which no gain (..., n) changes by more than a factor."""
     most = TOLERANCES.steps.gain_factor
     change = by_gain / gains
-    up, down = change.max(axis=-1) / (1.0 - 1.0 / most), -change.min(axis=-1) / (most - 1.0)
+    up, down = change.max(axis=-1) / (most - 1.0), -change.min(axis=-1) / (1.0 - 1.0 / most)
     return np.asarray(1.0 / np.maximum(1.0, np.maximum(up, down)))
-
-
-def moved_gains(gains: np.ndarray, by_gain: np.ndarray) -> np.ndarray:
-    """Gains after a step, which moves their inverses."""
-    return gains / (1.0 - by_gain / gains)
 
 
 def creeps(fall: np.ndarray, last: np.ndarray, unseen: np.ndarray) -> np.ndarray:
