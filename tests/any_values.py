@@ -182,7 +182,6 @@ _REASON_NAMES = {
     Because.TAKEN_UP: some(names, 0, 1),
     Because.IMPOSSIBLE: some(names, 1, 2),
     Because.CANCELS: some(names, 1, 1),
-    Because.MOVES_GAIN: some(names, 1, 1),
     Because.TOO_SHORT: some(names, 1, 1),
 }
 

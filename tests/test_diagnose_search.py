@@ -125,7 +125,8 @@ def test_no_effect_goes_because_of_what_is_only_nearly_so(
     def where_possible(_: object, model: str, __: object, ___: object) -> tuple[Any, Any, dict[str, str]]:
         asked.append(model)
         out = {} if possible and model == "exact" else {"found": "of an impossible sign"}
-        return SimpleNamespace(effects=()), model, out
+        after = SimpleNamespace(model=model, error=SimpleNamespace(validate=0.1))
+        return SimpleNamespace(effects=()), after, out
 
     def searched(_: object, first: str, barred: dict[str, str], __: object) -> Any:
         if barred:
@@ -139,17 +140,20 @@ def test_no_effect_goes_because_of_what_is_only_nearly_so(
     monkeypatch.setattr(from_rounds, "leaving", lambda _, model, after, __, ___: (model, after, ()))
     sets = SimpleNamespace(new=(), names=(), fits=None, ladder=lambda *_, **__: ())
     monkeypatch.setattr(from_rounds, "fits_of", lambda *_: sets)
-    for name in ("superfluous_effect", "gain_like_effect"):
-        monkeypatch.setattr(from_rounds, name, lambda *_: {})
-    monkeypatch.setattr(from_rounds, "excess", lambda *_: 0.0)
+    monkeypatch.setattr(from_rounds, "superfluous_effect", lambda *_: {})
     base_model: Any = SimpleNamespace(
-        start=SimpleNamespace(effects=()), exactly=lambda _: "exact", in_search=None, with_instances=None
+        start=SimpleNamespace(effects=()),
+        floor=SimpleNamespace(excess=lambda _: 0.0),
+        exactly=lambda _: "exact",
+        in_search=None,
+        with_instances=None,
     )
     base_model.at_leisure = base_model
     problem = SimpleNamespace(dataset=SimpleNamespace(recordings=()))
     case: Any = SimpleNamespace(start=SimpleNamespace(effects=()), before=None, problem=problem)
     if possible:
-        assert from_rounds.search_from(case, base_model, None).after == "exact"  # type: ignore[arg-type, comparison-overlap]
+        after: Any = from_rounds.search_from(case, base_model, None).after  # type: ignore[arg-type]
+        assert after.model == "exact"
     else:
         with pytest.raises(StopIteration) as ended:
             from_rounds.search_from(case, base_model, None)  # type: ignore[arg-type]

@@ -1,6 +1,7 @@
 """Models that explain the data as well as the identified one, and their influence on its drive gains."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from bench.diagnosis.base_model import BaseModel, added_effects
 from bench.diagnosis.candidates import Proposal
@@ -36,10 +37,11 @@ def with_spread_over_models(
     after = gains_spread(after, dict(zip(after.joints, spread.tolist(), strict=True)))
     if not (unexplained.significant or unexplained.much):
         return after
-    samples = last.system.samples
+    at_noise = replace(last.system, excess=0.0)  # how certain names are must not make a gain more certain
+    samples = at_noise.samples
     least = answer_weight(samples, model, after) - RULE.undecided
     others, added = [], added_effects(base_model, model)
-    for chosen in _as_good(last):
+    for chosen in _as_good(replace(last, system=at_noise)):
         instances = [
             instance for i in chosen for instance in _instances(last.proposals[i], i in last.chosen, added)
         ]
@@ -55,7 +57,8 @@ def _as_good(last: Round) -> Iterator[tuple[int, ...]]:
     """Sets one effect away from the identified one that the data support as well: the best with one more, and for each
     identified effect the best with another in its place.
     """
-    system, best = last.system, last.selection.selected
+    system = last.system
+    (best,) = scored(system, [last.chosen])
     others = [i for i in usable(last.proposals, ()) if i not in last.chosen]
 
     def best_first(sets: Sequence[tuple[int, ...]]) -> list[Scored]:

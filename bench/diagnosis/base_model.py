@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
 from bench.diagnosis.candidates import Context, Proposal, context_of, shaped
+from bench.diagnosis.error_floor import ErrorFloor, error_floor
 from bench.diagnosis.noise import leaves_only_noise, noise_squares
 from bench.diagnosis.system import System
 from bench.effects import EffectInstance, changes_torque
@@ -46,6 +47,11 @@ class BaseModel:
     def noise(self) -> np.ndarray | None:
         """See `noise_squares`."""
         return noise_squares(self.start)
+
+    @cached_property
+    def floor(self) -> ErrorFloor:
+        """What no set of effects explains."""
+        return error_floor(self.start)
 
     def context(self, model: Prepared) -> Context:
         """A model's residual, from which effects get their shape."""

@@ -70,14 +70,15 @@ def fits_of(case: SplitProblem, base_model: BaseModel, model: Prepared, after: I
 
     @cache
     def fitted(names: frozenset[str]) -> FittedSet:
-        chosen = with_special_cases([instance for instance in new if instance.name in names], new)
+        effects = [*kept, *with_special_cases([instance for instance in new if instance.name in names], new)]
         if not names:
+            effects = list(kept if requests else given)
             series, gains = before.recordings, values_of(before.drive_gains)
         elif all(instance.name in names for instance in new):
             series, gains = after.recordings, values_of(after.drive_gains)
         else:
-            series, gains = fitted_currents(base_model.with_instances([*kept, *chosen]))
-        return FittedSet(step_of(tuple(names), series), answer_squares([*kept, *chosen], series), gains)
+            series, gains = fitted_currents(base_model.with_instances(effects))
+        return FittedSet(step_of(tuple(names), series), answer_squares(effects, series), gains)
 
     return FittedSets(new, tuple(dict.fromkeys(instance.name for instance in new)), fitted, requests)
 

@@ -1,6 +1,6 @@
 """Identified effects that are removed: of an impossible sign, or not needed when the others are converged again."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -73,8 +73,8 @@ def _rms(torque: np.ndarray) -> float:
 def superfluous_effect(fits: Fits, names: Sequence[str], samples: Samples) -> dict[str, Reason]:
     """The least needed effect, if the others, converged without it, are more probable; and the reason.
 
-    A search compares sets about one model. An effect that helped there and no longer does only compensated for the
-    linearisation of the others.
+    samples: as they count at the error of the model with all. A search compares sets about one model. An effect that
+    helped there and no longer does only compensated for the linearisation of the others.
     """
     every = frozenset(names)
     without = {name: fits(every - {name}).residual.weight(samples) for name in names}
@@ -82,50 +82,6 @@ def superfluous_effect(fits: Fits, names: Sequence[str], samples: Samples) -> di
     if name is None or without[name] < fits(every).residual.weight(samples):
         return {}
     return {name: Reason(Because.NOT_NEEDED)}
-
-
-def improbable_effect(
-    fits: Fits, names: Sequence[str], samples: Samples, excess: Callable[[], float]
-) -> dict[str, Reason]:
-    """The least needed effect, if it is improbable with samples as they count beyond noise; and the reason.
-
-    excess: of the model, called only for several effects: a single one stays as the one that resembles the residual
-    most. The others do not change: a replacement of an improbable effect would be no more probable.
-    """
-    if len(names) < 2:
-        return {}
-    samples, every = samples.beyond(excess()), frozenset(names)
-    without = {name: fits(every - {name}).residual.weight(samples) for name in names}
-    name = max(names, key=lambda name: without[name])
-    if without[name] - fits(every).residual.weight(samples) < RULE.sure_odds:
-        return {}
-    return {name: Reason(Because.GAINS_LITTLE)}
-
-
-def gain_like_effect(
-    fits: Fits, names: Sequence[str], samples: Samples, after: Identification, excess: Callable[[], float]
-) -> dict[str, Reason]:
-    """The least needed effect that moves a drive gain by RULE.shows standard errors, if the others are more probable
-    without it; and the reason.
-
-    excess: of the model, called only if a gain moves. Samples count as they do beyond noise: an effect that trades
-    against a gain, such as a saturation or a friction that grows with the load, may only compensate for a nearly
-    correct law, and shift the gain.
-    """
-    every = frozenset(names)
-    without = {name: fits(every - {name}) for name in names}
-    moved = [
-        (name, joint)
-        for name in names
-        for joint, gain in after.drive_gains.items()
-        if abs(without[name].gains[joint] - gain.value) > RULE.shows * gain.std > 0.0
-    ]
-    if not moved:
-        return {}
-    samples = samples.beyond(excess())
-    weight, name, joint = max((without[name].residual.weight(samples), name, joint) for name, joint in moved)
-    least = fits(every).residual.weight(samples)
-    return {name: Reason(Because.MOVES_GAIN, (joint,))} if weight > least else {}
 
 
 def refused(verdict: EffectVerdict, why: Reason | None) -> EffectVerdict:

@@ -17,7 +17,6 @@ class Because(StrEnum):
         "impossible"  # a parameter is negative but must be positive [parameter, its place if not everywhere]
     )
     CANCELS = "cancels"  # its torque is many times the motor's, or cancels another's [the motor]
-    MOVES_GAIN = "moves a gain"  # while the error is not noise, and explains too little [the motor]
     USUAL = (
         "usual"  # friction, without which the error is larger than with the usual friction of a drive alone
     )

@@ -143,8 +143,6 @@ WORDS: Mapping[Because, str | Callable[[EffectVerdict], str]] = {
     "impossible: the cause is a similar effect",
     Because.CANCELS: "{begun} would need a torque at {names[0]} larger than all that the motor gives, which other "
     "terms of the model would have to cancel",
-    Because.MOVES_GAIN: "{begun} would change the drive gain of {names[0]}, and explains too little for that, compared "
-    "with what the model leaves unexplained",
     Because.USUAL: "{begun} is in the model although these recordings do not prove it: without it, recordings that "
     "were not fitted are explained worse than with viscous and Coulomb friction and an offset alone",
     Because.WORSE_THAN_USUAL: "With {spoken}, recordings that were not fitted are explained worse than with viscous "

@@ -9,6 +9,7 @@ from bench.basics.deadline import NEVER, TimeUpError
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.base_model import BaseModel, added_names, restarted
 from bench.diagnosis.candidates import Proposal, partners, propose
+from bench.diagnosis.error_floor import judged_by_its_error
 from bench.diagnosis.fewer_places import at_its_places, best_places, most_gained
 from bench.diagnosis.normal_equations import build_system
 from bench.diagnosis.round import Round, in_their_shape, reshaped_proposals, usable
@@ -267,8 +268,13 @@ def round_about(
     base_model: BaseModel, model: Prepared, proposals: Sequence[Proposal], barred: Collection[str]
 ) -> Round:
     """The starting model's equations with every proposal's columns, linearised about `model`, and the best set."""
-    system = system_about(base_model, model, proposals)
-    return Round(model, proposals, system, search(system, usable(proposals, barred), base_model.deadline))
+    known = usable(proposals, barred)
+    system, selection = judged_by_its_error(
+        system_about(base_model, model, proposals),
+        base_model.floor,
+        lambda system: search(system, known, base_model.deadline),
+    )
+    return Round(model, proposals, system, selection)
 
 
 def round_from(

@@ -1,14 +1,12 @@
 """Search from a first round until every selected effect is possible and needed."""
 
 from collections.abc import Mapping
-from functools import partial
 
 from bench.basics.deadline import TimeUpError
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.base_model import BaseModel
-from bench.diagnosis.encoder_noise import encoder_error
 from bench.diagnosis.ladder import fits_of
-from bench.diagnosis.pruning import gain_like_effect, improbable_effect, superfluous_effect
+from bench.diagnosis.pruning import superfluous_effect
 from bench.diagnosis.reason import Reason
 from bench.diagnosis.result import Unfinished
 from bench.diagnosis.round import Round
@@ -16,7 +14,6 @@ from bench.diagnosis.rounds import searched, staying
 from bench.diagnosis.search_result import SearchResult
 from bench.diagnosis.split_problem import SplitProblem
 from bench.diagnosis.starting import leaving
-from bench.diagnosis.unexplained import excess
 from bench.diagnosis.where_possible import where_possible
 
 NONE_BARRED: Mapping[str, Reason] = {}
@@ -37,7 +34,7 @@ def search_from(
     wholly: raise TimeUpError instead.
     """
     known, given = dict(barred), case.start.effects
-    cut, only_stays = False, False
+    cut = False
     searching, base_model = base_model, base_model.at_leisure
     given_round = [first]
     del first  # passed on without a name, to free its system before the next is built
@@ -45,10 +42,10 @@ def search_from(
         this_round = given_round.pop()
         last = (
             staying(base_model, this_round, known)
-            if cut or only_stays
+            if cut
             else searched(searching, this_round, known, progress)
         )
-        cut = last.cut and not only_stays
+        cut = last.cut
         if cut and wholly:
             raise TimeUpError
         progress.phase("fitting what was found")
@@ -61,14 +58,8 @@ def search_from(
             sets = fits_of(case, base_model, model, after)
             names, fits = sets.names, sets.fits
             if not cut:
-                error_excess = partial(
-                    excess, after, case.problem.dataset.recordings, partial(encoder_error, model)
-                )
-                out = superfluous_effect(fits, names, last.system.samples)
-                out = out or gain_like_effect(fits, names, last.system.samples, after, error_excess)
-                if not out:
-                    out = improbable_effect(fits, names, last.system.samples, error_excess)
-                    only_stays = only_stays or bool(out)
+                excess = base_model.floor.excess(after.error.validate or 0.0)
+                out = superfluous_effect(fits, names, last.system.samples.beyond(excess))
         if not out:
             missed = (Unfinished.SETS,) if cut else ()
             ladder = sets.ladder(case.before, whole=not cut)

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
-from bench.diagnosis.base_model import BaseModel
+from bench.diagnosis.base_model import BaseModel, added_effects
+from bench.diagnosis.candidates import Proposal
 from bench.diagnosis.differs import differing
 from bench.diagnosis.encoder_noise import encoder_error
 from bench.diagnosis.evidence import Samples, answer_squares
@@ -16,6 +17,7 @@ from bench.diagnosis.split_problem import SplitProblem
 from bench.diagnosis.unexplained import excess, unexplained
 from bench.diagnosis.values_by_log import with_common_values
 from bench.effects import EffectInstance
+from bench.identification.chosen_band import usual_friction
 from bench.identification.prepare import Prepared
 from bench.identification.result import Identification
 
@@ -50,10 +52,28 @@ class SearchResult:
         return answer_squares(effects, self.after.recordings, self.last.prior_of(effects)).weight(samples)
 
     def compared_by_log(self, case: SplitProblem) -> "SearchResult":
-        """With effects whose values differ by recording, identified or not, and the answer with these."""
-        model = with_common_values(self.model, case.start.effects)
+        """With effects whose values differ by recording, identified or not, and the answer with these.
+
+        Where more than noise is left, with the usual friction: without it, other values explain too little to be seen.
+        """
+        model = self.model
+        if self.last.system.excess:
+            friction = [
+                each for each in self.last.proposals if each.name in usual_friction(case.problem.catalogue)
+            ]
+            model = self.base_model.with_instances(
+                [
+                    *added_effects(self.base_model, model),
+                    *(each for proposal in friction if self._lacks(proposal) for each in proposal.instances),
+                ]
+            )
+        model = with_common_values(model, case.start.effects)
         differs, differently = differing(model, case.problem.catalogue)
         return replace(self, compared=True, differs=differs, differently=differently)
+
+    def _lacks(self, proposal: Proposal) -> bool:
+        """Whether data can show an effect and the model has it nowhere."""
+        return not proposal.absorbed and proposal.name not in {each.name for each in self.model.effects}
 
     def unexplained_by(self, case: SplitProblem, after: Identification) -> Unexplained:
         """The unexplained error in an answer of the model."""

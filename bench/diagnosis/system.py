@@ -64,6 +64,7 @@ class System:
     held_out: MotorProducts
     autocorrelation_time: float
     repeats: float = 1.0
+    excess: float = 0.0
     priors: tuple[float, ...] = ()
     by_log: Mapping[str, Mapping[str, MotorProducts]] = field(default_factory=dict)
     solved: dict[tuple[int, ...], SetFit] = field(default_factory=dict, compare=False, repr=False)
@@ -77,7 +78,7 @@ class System:
         """The independent samples; periods of a motion count together as far as errors return with it."""
         together = self.autocorrelation_time * self.repeats
         fitted, held_out = (part.rows_of_motor / together for part in (self.fitted, self.held_out))
-        return Samples(fitted, held_out)
+        return Samples(fitted, held_out).beyond(self.excess)
 
     def columns_of(self, chosen: Sequence[int]) -> np.ndarray:
         """Indices of the base columns and those of the chosen candidates."""

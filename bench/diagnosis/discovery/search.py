@@ -14,9 +14,11 @@ from bench.diagnosis.discovery.screen import Known, few_rows, residual_without
 from bench.diagnosis.discovery.seen import places_of, scope_of, seen_at
 from bench.diagnosis.discovery.states import State, best_states
 from bench.diagnosis.discovery.term import Term
+from bench.diagnosis.error_floor import judged_by_its_error
 from bench.diagnosis.round import Round, reshaped_proposals, usable
 from bench.diagnosis.rounds import system_about
 from bench.diagnosis.search import Selection, best_set, score_set
+from bench.diagnosis.system import System
 from bench.effects.select import parameter_slices
 from bench.identification.decision import RULE
 from bench.identification.partial_regression import partial_regression
@@ -108,10 +110,15 @@ def _round(
         }
         chosen = {index[name] for name in (*names, *state.effects) if name in index}
         begin.append(sorted(chosen.intersection(able)))
-    system = system_about(base_model, this_round.model, proposals)
-    best = best_set(system, begin, able, base_model.deadline)
-    singles = {i: score_set(system, (i,)) for i in able}
-    return Laws(Round(this_round.model, proposals, system, Selection(best, singles)), terms)
+
+    def searched(system: System) -> Selection:
+        best = best_set(system, begin, able, base_model.deadline)
+        return Selection(best, {i: score_set(system, (i,)) for i in able})
+
+    system, selection = judged_by_its_error(
+        system_about(base_model, this_round.model, proposals), base_model.floor, searched
+    )
+    return Laws(Round(this_round.model, proposals, system, selection), terms)
 
 
 def _states(base_model: BaseModel, laws: Laws) -> tuple[list[State], int]:
