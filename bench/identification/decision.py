@@ -24,10 +24,10 @@ class DecisionRule:
 
     Noise. beyond_noise: times the noise floor; a smaller error needs no explanation. much: times the noise; with a
     larger error something unknown acts, and a known effect may only resemble it. inexact: share of log(error / noise);
-    a model with more error than noise has a wrong form, and an effect that moves a drive gain and removes less than
-    this share may only compensate for it. law_beyond_noise: times the noise; with a larger error a law has a wrong
-    form, and effects at its motors are uncertain. law_share: of the error that a law explains; its form may be wrong by
-    as much, so an effect at its motor that explains less is uncertain.
+    a model with more error than noise has a wrong form, and an effect that removes less than this share may only
+    compensate for it. law_beyond_noise: times the noise; with a larger error a law has a wrong form, and effects at its
+    motors are uncertain. law_share: of the error that a law explains; its form may be wrong by as much, so an effect at
+    its motor that explains less is uncertain.
 
     Shares of an error. most: of a motor's squared error; whatever removes more is searched first. helps: of an error; a
     model of another kind (values by recording, an effect in place of a law) must remove this much, since less may be
