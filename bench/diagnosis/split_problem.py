@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 from bench.basics.deadline import NEVER, Deadline
+from bench.basics.errors import BenchError
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.extrapolated import without_extrapolation
 from bench.diagnosis.split import with_held_out_parts
@@ -38,6 +39,13 @@ def split_and_fitted(
     dataset, held_out = with_held_out_parts(problem.dataset)
     problem = replace(problem, dataset=dataset)
     start = prepare_checked(problem)
+    judged = [seen for seen in start.observations if seen.use == "validate"]
+    if judged and not any(seen.moving.any() for seen in judged):
+        names = " and ".join(seen.name for seen in judged)
+        raise BenchError(
+            f"{dataset.folder}: no joint moves in {names}, on which effects are judged: record a motion with "
+            'use = "validate", or leave it out'
+        )
     progress.phase("fitting the model as it is")
     start, extrapolated = without_extrapolation(converged(start))
     return SplitProblem(problem, held_out, start, fit(start), deadline, extrapolated)
