@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 
 from bench.diagnosis.encoder_noise import encoder_error
 from bench.diagnosis.noise import not_repeated
@@ -40,14 +41,7 @@ def error_floor(start: Prepared) -> ErrorFloor:
     held_out = [trace for trace in series if trace.use == "validate"] or series
     recordings = [entry.recording for entry in start.measured]
     noise = relative_noise_floor(recordings, held_out, start.settings)
-    known: list[float] = []
-
-    def encoders() -> float:
-        if not known:
-            known.append(encoder_error(start))
-        return known[0]
-
-    return ErrorFloor(noise, not_repeated(series), encoders)
+    return ErrorFloor(noise, not_repeated(series), cache(lambda: encoder_error(start)))
 
 
 def judged_by_its_error(
