@@ -1,6 +1,6 @@
 """The ladder of a diagnosis: errors of models with some of the identified effects, each fitted separately."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -17,16 +17,15 @@ from bench.effects import EffectInstance
 from bench.effects.select import at_joint
 from bench.identification.identify import fit, fitted_currents
 from bench.identification.prepare import Prepared
-from bench.identification.result import CurrentSeries, DriveGain, Identification, relative_error
+from bench.identification.result import CurrentSeries, Identification, relative_error
 
 
 @dataclass(frozen=True)
 class FittedSet:
-    """A separately fitted model with some effects: the step of a ladder, its residual, and its drive gains."""
+    """A separately fitted model with some effects: the step of a ladder, and its residual."""
 
     step: LadderStep
     residual: ResidualSumOfSquares
-    gains: Mapping[str, float]
 
 
 Fits = Callable[[frozenset[str]], FittedSet]
@@ -73,12 +72,12 @@ def fits_of(case: SplitProblem, base_model: BaseModel, model: Prepared, after: I
         effects = [*kept, *with_special_cases([instance for instance in new if instance.name in names], new)]
         if not names:
             effects = list(kept if requests else given)
-            series, gains = before.recordings, values_of(before.drive_gains)
+            series = before.recordings
         elif all(instance.name in names for instance in new):
-            series, gains = after.recordings, values_of(after.drive_gains)
+            series = after.recordings
         else:
-            series, gains = fitted_currents(base_model.with_instances(effects))
-        return FittedSet(step_of(tuple(names), series), answer_squares(effects, series), gains)
+            series, _ = fitted_currents(base_model.with_instances(effects))
+        return FittedSet(step_of(tuple(names), series), answer_squares(effects, series))
 
     return FittedSets(new, tuple(dict.fromkeys(instance.name for instance in new)), fitted, requests)
 
@@ -99,11 +98,6 @@ def with_special_cases(
             if part.effect.name in gone.effect.contains and all(moved.seat != each.seat for each in result):
                 result += with_shapes_of([gone], [moved])
     return result
-
-
-def values_of(gains: Mapping[str, DriveGain]) -> dict[str, float]:
-    """Drive gains by joint, without their standard errors."""
-    return {joint: gain.value for joint, gain in gains.items()}
 
 
 def errors_without(names: Sequence[str], fits: Fits) -> dict[str, float]:

@@ -54,7 +54,7 @@ class System:
     base: number of independent columns of the present model. start: its solution, whose weights are one over each
     motor's current error. autocorrelation_time: rows that count as one, since neighbouring errors correlate. priors:
     nats that each candidate must bring beyond those of all, zero if empty. by_log: products of every log, by use.
-    solved: cache of solved sets.
+    excess: log(error / floor) at which samples count, see `ErrorFloor`. solved: cache of solved sets.
     """
 
     candidates: tuple[Candidate, ...]

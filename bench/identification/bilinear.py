@@ -190,9 +190,7 @@ class OnProducts:
     def equations(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Matrices and right sides of a Gauss-Newton step: values, then gains if any is fitted; others do not move."""
         k, n = self.values.shape[1], len(self.start)
-        share = (
-            weights**2 / self.gains
-        )  # of torque in the weighted squares, with another of the gains to come
+        share = weights**2 / self.gains  # of torque in the weighted squares; another of the gains follows
         some = bool(np.any(self.fit_gains))
         size = k + (n if some else 0)
         normal, right = np.zeros((len(share), size, size)), np.empty((len(share), size))
