@@ -74,8 +74,10 @@ def _search_with_values(
     barred = not_asked(case.problem.dataset.recordings, case.problem.catalogue, given)
     for start in origins_of(model):
         base_model = base_model_of(start, case.deadline)
-        first = first_round(base_model, case.problem.catalogue, progress)
-        finding = search_from(case, base_model, first, progress, barred)
+        # without a name, which would keep the first system until the end
+        finding = search_from(
+            case, base_model, first_round(base_model, case.problem.catalogue, progress), progress, barred
+        )
         samples = finding.last.system.samples
         if start is model or finding.weight_by(samples) >= answer_weight(samples, model, before):
             break

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.basics.deadline import NEVER, TimeUpError
+from bench.basics.deadline import TimeUpError
 from bench.basics.progress import SILENT, Progress
 from bench.diagnosis.base_model import BaseModel, added_names, restarted
 from bench.diagnosis.candidates import Proposal, partners, propose
@@ -116,7 +116,6 @@ def _again(
     """
     if before is not None and not this_round.chosen:
         return before
-    spare = before  # the answer after the deadline
     try:
         for number in range(2, TOLERANCES.search.rounds + 1):
             if not this_round.chosen:
@@ -126,21 +125,21 @@ def _again(
             if better is None:
                 assert before is not None  # with none to surpass, the best set is accepted
                 return before
-            spare = None if base_model.deadline is NEVER else better
-            proposals = reshaped_proposals(base_model, better, progress)
-            model, chosen, names = better.model, better.chosen, better.names
-            before = None
-            del (
-                this_round,
-                better,
-            )  # frees this round's system before the next is built, unless it is spared
-            this_round = round_about(base_model, model, proposals, barred)
+            model, chosen, names, shapes = better.model, better.chosen, better.names, better.proposals
+            try:
+                proposals = reshaped_proposals(base_model, better, progress)
+                before = None
+                del this_round, better  # frees this round's system before the next is built
+                this_round = round_about(base_model, model, proposals, barred)
+            except TimeUpError:
+                again = round_about(base_model.at_leisure, model, shapes, barred)
+                return replace(with_set(again, chosen), cut=True)
             if this_round.names == names:
                 return this_round
-            before = spare = with_set(this_round, chosen)
+            before = with_set(this_round, chosen)
         return replace(this_round, model=base_model.with_proposals(this_round.proposals, this_round.chosen))
     except TimeUpError:
-        return _straight(base_model, this_round, barred) if spare is None else replace(spare, cut=True)
+        return _straight(base_model, this_round, barred) if before is None else replace(before, cut=True)
 
 
 def _straight(base_model: BaseModel, this_round: Round, barred: Collection[str]) -> Round:

@@ -39,11 +39,10 @@ def search_from(
     given_round = [first]
     del first  # passed on without a name, to free its system before the next is built
     while True:
-        this_round = given_round.pop()
         last = (
-            staying(base_model, this_round, known)
+            staying(base_model, given_round.pop(), known)
             if cut
-            else searched(searching, this_round, known, progress)
+            else searched(searching, given_round.pop(), known, progress)
         )
         cut = last.cut
         if cut and wholly:

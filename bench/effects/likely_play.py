@@ -1,9 +1,9 @@
 """The play, rotor and drag that the error of a motor suggests."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
+from itertools import groupby, product
 
 import numpy as np
 
@@ -83,15 +83,15 @@ class MotorError:
         return np.fft.rfft(torque)[1 : len(self.error) + 1]
 
 
+Recording = tuple[MotorError, Flight]
+
+
 @dataclass(frozen=True)
 class PlaySearch:
-    """The recordings in which play is looked for; band: highest frequency of the fit, Hz. known: cache of `flights`."""
+    """The recordings in which play is looked for; band: highest frequency of the fit, Hz."""
 
     seen: tuple[MotorError, ...]
     band: float
-    known: dict[tuple[float, float], list[tuple[MotorError, Flight]]] = field(
-        default_factory=dict, compare=False, repr=False
-    )
 
     @cached_property
     def inertia(self) -> float:
@@ -103,18 +103,17 @@ class PlaySearch:
         """Sum of the squared errors."""
         return sum(float(np.vdot(each.error, each.error).real) for each in self.seen)
 
-    def flights(self, rotor: float, drag: float) -> list[tuple[MotorError, Flight]]:
+    def flights(self, rotor: float, drag: float) -> list[Recording]:
         """The recordings in which the link changes its flank."""
-        if (rotor, drag) not in self.known:
-            every = [(each, Flight.under(each.load, rotor, drag)) for each in self.seen]
-            self.known[rotor, drag] = [(each, flight) for each, flight in every if flight.happens]
-        return self.known[rotor, drag]
+        every = ((each, Flight.under(each.load, rotor, drag)) for each in self.seen)
+        return [(each, flight) for each, flight in every if flight.happens]
 
-    def explained(self, tried: "PlayGuess") -> float:
-        """Share of the squared errors that the way through the play explains; zero with the wrong sign."""
-        changes = [
-            (each.error, each.change(flight, tried.rotor, tried.play)) for each, flight in tried.flights
-        ]
+    def explained(self, flights: Sequence[Recording], tried: LikelyPlay) -> float:
+        """Share of the squared errors that the way through the play explains; zero with the wrong sign.
+
+        flights: with the rotor and the drag of `tried`.
+        """
+        changes = [(each.error, each.change(flight, tried.rotor, tried.play)) for each, flight in flights]
         square = sum(float(np.vdot(change, change).real) for _, change in changes)
         along = sum(float(np.vdot(error, change).real) for error, change in changes)
         return along**2 / (square * self.power) if along > 0.0 else 0.0
@@ -127,54 +126,63 @@ class PlaySearch:
         ]
         return max(steps) / self.inertia
 
-    def best_of_grid(self) -> tuple[float, "PlayGuess"]:
+    def best_of_grid(self) -> tuple[float, LikelyPlay]:
         """The plays that the link crosses in a given time under its RMS change of load: the one that explains most, and
         the share that it explains.
         """
         rotors, flights = (
             range(GRID.stride // 2, len(each), GRID.stride) for each in (GRID.rotors, GRID.flights)
         )
-        places = list(product(rotors, range(len(GRID.drags)), flights))
-        tried = {place: self._explained_at(*place) for place in places}
-        for rotor, drag, flight in sorted(tried, key=lambda place: -tried[place][0])[: GRID.kept]:
-            for i, k in product(range(rotor - 1, rotor + 2), range(flight - 1, flight + 2)):
-                if 0 <= i < len(GRID.rotors) and 0 <= k < len(GRID.flights) and (i, drag, k) not in tried:
-                    tried[i, drag, k] = self._explained_at(i, drag, k)
+        tried = self._explained_at(product(rotors, range(len(GRID.drags)), flights))
+        best = sorted(tried, key=lambda place: -tried[place][0])[: GRID.kept]
+        neighbours = {
+            (i, drag, k)
+            for rotor, drag, flight in best
+            for i, k in product(range(rotor - 1, rotor + 2), range(flight - 1, flight + 2))
+            if 0 <= i < len(GRID.rotors) and 0 <= k < len(GRID.flights)
+        }
+        tried |= self._explained_at(sorted(neighbours - tried.keys()))
         return max(tried.values(), key=lambda pair: pair[0])
 
-    def _explained_at(self, i: int, j: int, k: int) -> tuple[float, "PlayGuess"]:
-        """The share that the i-th rotor with the j-th drag and the k-th flight explains, and the guess."""
-        rotor = GRID.rotors[i] * self.inertia
-        drag = GRID.drags[j] * (self.inertia - rotor) * self.band
-        length = GRID.flights[k]
-        play = min(self.jerk * (length / self.band) ** 3 / 6.0, GRID.widest * length)
-        guess = PlayGuess(play, rotor, drag, self.flights(rotor, drag))
-        return self.explained(guess), guess
+    def _explained_at(
+        self, places: Iterable[tuple[int, int, int]]
+    ) -> dict[tuple[int, int, int], tuple[float, LikelyPlay]]:
+        """For indices of rotor, drag and flight, sorted: the share that they explain, and their values."""
+        tried = {}
+        for (i, j), of_rotor in groupby(places, key=lambda place: place[:2]):
+            rotor = GRID.rotors[i] * self.inertia
+            drag = GRID.drags[j] * (self.inertia - rotor) * self.band
+            flights = self.flights(rotor, drag)
+            for place in of_rotor:
+                length = GRID.flights[place[2]]
+                play = min(self.jerk * (length / self.band) ** 3 / 6.0, GRID.widest * length)
+                likely = LikelyPlay(play, rotor, drag)
+                tried[place] = self.explained(flights, likely), likely
+        return tried
 
-    def refined(self, best: "PlayGuess", explained: float) -> LikelyPlay:
+    def refined(self, best: LikelyPlay, explained: float) -> LikelyPlay:
         """The best values in the neighbourhood, one moved after the other by ever smaller factors."""
-        values, steps = np.array([best.play, best.rotor, best.drag]), np.array(GRID.steps)
+        steps, flights = np.array(GRID.steps), self.flights(best.rotor, best.drag)
         heaviest, drag = GRID.heaviest * self.inertia, self.inertia * self.band
         least = np.array([0.0, 0.0, drag / GRID.damped])
         most = np.array([np.inf, heaviest, drag * GRID.damped])
         while steps[0] > GRID.finest:
             before = explained
             for k in np.repeat(np.arange(3), 2):
-                moved = values.copy()
-                moved[k] *= steps[k]
-                moved = np.clip(moved, least, most)
-                share = self.explained(self._guess(*moved.tolist()))
+                values = np.array([best.play, best.rotor, best.drag])
+                values[k] *= steps[k]
+                moved = LikelyPlay(*np.clip(values, least, most).tolist())
+                same = (moved.rotor, moved.drag) == (best.rotor, best.drag)
+                moved_flights = flights if same else self.flights(moved.rotor, moved.drag)
+                share = self.explained(moved_flights, moved)
                 if share > explained:
-                    explained, values = share, moved
+                    explained, best, flights = share, moved, moved_flights
                 else:
                     steps[k] = 1.0 / steps[k]
             steps = np.maximum(steps, 1.0 / steps)
             if explained == before:
                 steps = np.sqrt(steps)
-        return LikelyPlay(*values.tolist())
-
-    def _guess(self, play: float, rotor: float, drag: float) -> "PlayGuess":
-        return PlayGuess(play, rotor, drag, self.flights(rotor, drag))
+        return best
 
     def without_crossing(self) -> LikelyPlay:
         """No play and no drag, and the rotor with which the loads are farthest from a change of sign."""
@@ -185,13 +193,3 @@ class PlaySearch:
         """The least load on the flank that mostly carries it, N*m or N; negative if the link changes its flank."""
         loads = [each.load.torque - rotor * each.load.acceleration for each in self.seen]
         return min(float((load * np.sign(load.mean())).min()) for load in loads)
-
-
-@dataclass(frozen=True)
-class PlayGuess:
-    """Values of a search, as in `LikelyPlay`, with the recordings in which the link changes its flank."""
-
-    play: float
-    rotor: float
-    drag: float
-    flights: list[tuple[MotorError, Flight]]

@@ -9,12 +9,15 @@ from bench.diagnosis.discovery.factors import Power
 from bench.diagnosis.discovery.grammar import V
 from bench.diagnosis.discovery.laws import Law
 from bench.diagnosis.discovery.refine import Judge, Refined, instances_of
-from bench.diagnosis.discovery.screen import Screened
+from bench.diagnosis.discovery.screen import Screened, at_place
 from bench.diagnosis.discovery.seen import places_of
+from bench.diagnosis.discovery.source import law_effect
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.search_result import SearchResult
 from bench.effects import Effect, EffectInstance
+from bench.effects.select import at_joint
+from bench.identification.decision import RULE
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.tolerances import TOLERANCES
 
@@ -100,9 +103,10 @@ def merged(
             tried = [
                 _with_power(base_model, finding.model, [*others, *kept], places, judge)
                 for kept in alternatives
+                if _promises(base_model, finding.model, [*others, *kept], places, judge, least)
             ]
-            best = max(tried, key=lambda each: each.weight)
-            if best.weight > least:
+            best = max(tried, key=lambda each: each.weight, default=None)
+            if best is not None and best.weight > least:
                 yield best
                 break
 
@@ -122,6 +126,32 @@ def together(parts: Sequence[Part]) -> list[list[Part]]:
     joined = [[part for some in group for part in some] for group in groups.values()]
     alone = [some for group in groups.values() if len(group) > 1 for some in group]
     return sorted([*joined, *alone], key=lambda some: -unknowns(some))
+
+
+def _promises(
+    base_model: BaseModel,
+    full_model: Prepared,
+    stay: Sequence[Part],
+    places: Sequence[Place],
+    judge: Judge,
+    least: float,
+) -> bool:
+    """Whether a power may be better than `least`: judged by the sum of the initial ones, which explains about as much
+    as one with the best exponent, at its number of unknowns.
+    """
+    terms = [Screened(Term((Power(V, each),)), {}, 0.0) for each in TOLERANCES.laws.merged_exponents]
+    powers = [
+        at_joint(law_effect(NAME, [at_place(term, place) for term in terms], place)[0], place.name)
+        for place in places
+    ]
+    added = *(part.instance for part in stay), *powers
+    known = {part.name: part.term for part in stay if part.term is not None}
+    together = judge.refined(
+        with_effects(full_model, (*base_model.start.effects, *added)), {**known, NAME: terms[0].term}
+    )
+    spared = len(places) * (len(terms) - TOLERANCES.laws.power_unknowns)
+    weight = together.weight + float(judge.samples.cost_of_unknowns(spared))
+    return weight > least - TOLERANCES.laws.nearby * RULE.prior
 
 
 def _with_power(
