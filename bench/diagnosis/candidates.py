@@ -123,7 +123,7 @@ def _about_their_values(
     if first.about({parameter.name: 0.0 for parameter in first.parameters}) is first:
         return instances  # linear: needs no linearisation
     values, _ = context.regression.explained(candidate_columns(context.prepared, instances))
-    return linearised(instances, values)
+    return linearised(context.prepared.model.geometry, instances, values)
 
 
 def _visible(context: Context, instance: EffectInstance) -> bool:

@@ -114,7 +114,8 @@ class Effect(ABC):
 
     A field named like a linear parameter is the value about which the columns are linearised (see `about`): columns
     times parameter is then exact at that value. bends: the columns change much with it, so that the fit uses
-    derivatives. every_sample: its columns need all samples, as differences do, or change fast between samples, as
+    derivatives. changes_machine: it is a change of motion, lengths or gravity, see `position_offset` and `machine`.
+    every_sample: its columns need all samples, as differences do, or change fast between samples, as
     friction does in a slow joint: a search must not thin them. of_velocity: its torque is an odd function of its
     joint's velocity alone. by_motor: the motor must supply its torque, since it neither stores energy nor carries a
     weight; it cannot be many times the motor's torque. varies_by_run: its value may differ between recordings, like an
@@ -137,6 +138,7 @@ class Effect(ABC):
     before_torque: ClassVar[bool] = False
     at_link: ClassVar[bool] = False
     bends: ClassVar[bool] = False
+    changes_machine: ClassVar[bool] = False
     every_sample: ClassVar[bool] = False
     of_velocity: ClassVar[bool] = False
     by_motor: ClassVar[bool] = False
@@ -186,6 +188,14 @@ class Effect(ABC):
     def position_offset(self, values: np.ndarray) -> float:  # noqa: ARG002 - by default none
         """Offset of its joint from the logged position, rad or m, at these values (p,) of the parameters."""
         return 0.0
+
+    def machine(self, geometry: Geometry, joint: str, values: np.ndarray) -> Geometry:  # noqa: ARG002 - by default the same
+        """Lengths and gravity of a robot with the effect at these values (p,) of the parameters."""
+        return geometry
+
+    def furthest(self, geometry: Geometry, joint: str) -> float:  # noqa: ARG002 - by default any
+        """Size of its parameters up to which an effect that changes the machine is valid."""
+        return float("inf")
 
     def nodes(self, robot: RobotSignals, joint: str) -> tuple[float, float] | None:  # noqa: ARG002 - by default none
         """Two values of its one parameter: a search interpolates and extrapolates the columns, linearised about the

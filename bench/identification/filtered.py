@@ -68,7 +68,8 @@ class Measured:
     logged; tree: the motion of all joints of the opened tree; gaps: where joints are at rest. logged: how logged
     velocities compare with the positions. Caches. kept: rows of effects that need no model; perturbed: observation
     matrices of other motions and gravities, which recur; reshaped: of other geometries, of which a search tries many;
-    reactions: of joint forces; held: the motion of these, by sample spacing.
+    reactions: of joint forces; held: the motion of these, by sample spacing; few: motion and regressor at few samples,
+    as measured and of the last changed machine, by its key.
     """
 
     recording: Recording
@@ -88,6 +89,7 @@ class Measured:
         default_factory=lambda: KeptRows(TOLERANCES.memory.force_bytes), compare=False, repr=False
     )
     held: dict[int, HeldMotion] = field(default_factory=dict, compare=False, repr=False)
+    few: dict[bytes, tuple[Motion, np.ndarray]] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def redundant(self) -> np.ndarray:
@@ -149,6 +151,7 @@ def forget_motions(measured: Sequence[Measured]) -> None:
         if isinstance(entry.tree, LongMotion):
             entry.tree.forget()
             entry.held.clear()
+            entry.few.clear()
             for rows in (entry.perturbed, entry.reshaped, entry.reactions):
                 rows.forget()
 

@@ -10,6 +10,7 @@ from bench.effects.select import parameter_slices
 from bench.identification.compressed import Stack, compress
 from bench.identification.identifiability_of_effects import with_zeros
 from bench.identification.joint_samples import joint_samples
+from bench.identification.moved_regressor import regressor_change
 from bench.identification.partial_regression import torque_errors
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.solution import Solution
@@ -21,6 +22,7 @@ from bench.identification.solve_only import (
     solved_quickly,
     solved_with,
     spread,
+    stacked,
 )
 from bench.identification.tolerances import TOLERANCES
 
@@ -28,12 +30,13 @@ from bench.identification.tolerances import TOLERANCES
 def stepped(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Prepared, Stack, Solution] | None:
     """A Gauss-Newton step of all nonlinear parameters and linear unknowns together; the model is solved there.
 
-    stack, solution: of the present model, from `solved_quickly`. None if there is nothing to move, or even a small
+    stack, solution: of the present model, from `solved_about`. None if there is nothing to move, or even a small
     share of the step increases the errors.
     """
     shapes, columns = _shape_derivatives(prepared, solution.theta, stack.current.shape)
     bent, about = _bends(prepared, stack.current.shape, every=False)
-    if not shapes and not about.any():
+    moves = about.any() or any(instance.effect.changes_machine for instance in prepared.effects)
+    if not shapes and not moves:
         return None
     kept = identifiable(prepared, stack)
     linear = prepared.layout.effect_slice.start
@@ -52,18 +55,70 @@ def stepped(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Prepa
         if np.all(inside):
             break
         free = np.intersect1d(free, added[inside])
-    if not len(free) and not about.any():
+    if not len(free) and not moves:
         return prepared, stack, solution
     values = theta[linear : prepared.layout.size]
     before = spread(stack, solution)
     for share in TOLERANCES.shapes.shares:
         instances = _moved(prepared, shapes, share * theta[added], reaches, about + share * (values - about))
         moved = with_effects(prepared, instances, fitted_only=True)
-        after = solved_quickly(moved)
+        after = solved_about(moved)
         ratio = np.divide(spread(*after), before, out=np.ones_like(before), where=before > 0.0)
         if (ratio**2).mean() <= 1.0 + TOLERANCES.steps.rounding:
             return moved, *after
     return None
+
+
+def solved_about(prepared: Prepared) -> tuple[Stack, Solution]:
+    """As `solved_quickly`; effects that change the machine are held at the values about which they are linearised, and
+    the regressor is that of the changed machine: the solution does not depend on the present model.
+    """
+    held = np.array(
+        [
+            k
+            for instance, part in parameter_slices(prepared.effects)
+            if instance.effect.changes_machine
+            for k in range(part.start, part.stop)
+        ],
+        dtype=int,
+    )
+    if not len(held):
+        return solved_quickly(prepared)
+    stack = stacked(prepared)
+    change = regressor_change(prepared)
+    if change is not None:
+        stack = _linearised(stack, change, known_values(prepared), np.zeros((*stack.current.shape, 0)))
+    values = _values_about(prepared.effects)
+    held_torque = stack.phi[:, :, prepared.layout.effect_slice][:, :, held] @ values[held]
+    kappa = stack.kappa + held_torque
+    system = replace(stack, kappa=kappa, factors=compress(stack.phi, kappa, stack.current))
+    held_columns = prepared.layout.effect_slice.start + held
+    kept = np.setdiff1d(identifiable(prepared, stack), held_columns)
+    solution = solved_with(system, kept, prepared.gains, prepared.present.gains)
+    theta = solution.theta.copy()
+    theta[held_columns] = values[held]
+    return stack, replace(solution, theta=theta)
+
+
+def _values_about(effects: Sequence[EffectInstance]) -> np.ndarray:
+    """The values (E,) about which the parameters of effects are linearised, zero for linear ones."""
+    known = [(instance.effect.parameters, instance.effect.about_values()) for instance in effects]
+    return np.array(
+        [about.get(parameter.name, 0.0) for parameters, about in known for parameter in parameters]
+    )
+
+
+def known_values(prepared: Prepared) -> np.ndarray:
+    """The present model's values (p,) of the unknowns, zero for effects."""
+    layout, present = prepared.layout, prepared.present
+    values = np.zeros(layout.size)
+    values[: layout.base] = present.base
+    for name, index in layout.payloads.items():
+        values[layout.payload_slice(name)] = present.payloads[name][index]
+    if layout.redundant:
+        nominal = [actuator.gain for actuator in prepared.dataset.robot.redundant]
+        values[layout.redundant_slice] = present.redundant_gains - np.array(nominal)
+    return values
 
 
 def _moved(
@@ -74,7 +129,7 @@ def _moved(
     values: np.ndarray,
 ) -> list[EffectInstance]:
     """The effects with their shapes changed by steps within their reaches, and linearised about values."""
-    about = linearised(prepared.effects, values)
+    about = linearised(prepared.model.geometry, prepared.effects, values)
     instances = [b if a.effect.bends else a for a, b in zip(prepared.effects, about, strict=True)]
     for (i, name), step, (low, high) in zip(shapes, steps, reaches, strict=True):
         value = instances[i].effect.shape_values()[name]

@@ -12,7 +12,7 @@ from bench.effects.select import parameter_slices
 from bench.identification.compressed import Stack
 from bench.identification.decision import RULE
 from bench.identification.effect_columns import PresentModel
-from bench.identification.newton import stepped
+from bench.identification.newton import solved_about, stepped
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared, with_effects, with_judged
 from bench.identification.shapes import best_shape
@@ -98,7 +98,7 @@ def _begun(model: Prepared) -> tuple[tuple[EffectInstance, ...], PresentModel, t
 
 def _about(prepared: Prepared, solution: Solution) -> tuple[EffectInstance, ...]:
     """A model's effects, linearised about its solution."""
-    return linearised(prepared.effects, solution.theta[prepared.layout.effect_slice])
+    return linearised(prepared.model.geometry, prepared.effects, solution.theta[prepared.layout.effect_slice])
 
 
 def _but_bent(
@@ -126,11 +126,11 @@ def _rounds(
     for _ in range(TOLERANCES.steps.rounds if most is None else most):
         deadline.check()
         prepared = with_effects(prepared, instances, present, fitted_only=True)
-        solved = None if before is None else solved_quickly(prepared)
+        solved = None if before is None else solved_about(prepared)
         together = None if solved is None else stepped(prepared, *solved)
         if together is None:
             unshaped, prepared = prepared, _shaped(prepared, deadline)
-            stack, solution = solved if solved and prepared is unshaped else solved_quickly(prepared)
+            stack, solution = solved if solved and prepared is unshaped else solved_about(prepared)
         else:
             prepared, stack, solution = together
         instances = prepared.effects

@@ -5,7 +5,7 @@ computed once per dataset, for all recordings together, at as few samples as the
 product with its parameters. A shift of an active joint counts to second order.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, partial
 from itertools import pairwise
@@ -30,6 +30,7 @@ from bench.model.motion import Motion, motion_near
 from bench.model.regressor import payload_transform, projected_regressor, redundant_columns
 from bench.signals.decimation import fit_band
 
+NODES_IN_STEPS = 2.0  # of a wrong zero, see `EncoderOffset.nodes`, in steps of the derivatives
 NOT_SHARED = ("passing", "noted", "sparse")  # fields that are not shared with signals of exact changes
 
 
@@ -42,7 +43,7 @@ class Nearby:
     """
 
     def __init__(self, model: IdentificationModel, measured: Sequence[Measured]) -> None:
-        self.few = tuple(_few_samples(measurement) for measurement in measured)
+        self.few = tuple(few_samples(measurement) for measurement in measured)
         ends = np.cumsum([0, *map(len, self.few)])
         self.part = tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
         self._model = model
@@ -56,7 +57,7 @@ class Nearby:
         self._tree = Motion(*(np.concatenate([getattr(tree, name) for tree in trees]) for name in parts))
         self._kept = LeastAsked[SmallChange](TOLERANCES.memory.perturbation_bytes)
         self.rows = tuple(KeptRows() for _ in measured)
-        self._barred: dict[bytes, str] = {}
+        self._barred: dict[Hashable, str] = {}
         self._sparse: dict[int, tuple[NearbySignals, RobotSignals]] = {}
         self._seen: tuple[PresentModel, tuple[RobotSignals, ...]] | None = None
 
@@ -155,29 +156,60 @@ class Nearby:
         change = self._kept.get(key)
         if change is None:
             more = replace(geometry, gravity=geometry.gravity + np.eye(3)[axis])
-            change = small_change(self._rows(more, self._tree) - self._base_rows)
+            change = small_change(machine_rows(self._model, more, self._tree) - self._base_rows)
             self._kept.keep(key, change, change.values.nbytes)
         return change
 
     def changed(self, geometry: Geometry) -> SmallChange:
         """Change of the matrix by other lengths. Raises BenchError if the loops cannot be closed with them."""
-        key = geometry_key(geometry)
+        return self.moved((0.0,) * len(geometry.active), geometry)
+
+    def is_far(self, shift: np.ndarray) -> bool:
+        """Whether a shift (3, K, n) is a constant one of positions, too large for derivatives."""
+        if shift[1:].any() or np.any(shift[0] != shift[0, 0]):
+            return False
+        nodes = NODES_IN_STEPS * np.array([self._step(0, motor) for motor in range(shift.shape[2])])
+        return bool(np.any(np.abs(shift[0, 0]) > TOLERANCES.shapes.machine_expansion * nodes))
+
+    def moved(self, shift: tuple[float, ...], geometry: Geometry | None = None) -> SmallChange:
+        """Change of the matrix by a constant shift (n,) of the active positions, and other lengths. Raises BenchError
+        if the loops cannot be closed with them.
+        """
+        other = self._model.geometry if geometry is None else geometry
+        key = geometry_key(other) + np.array(shift).tobytes()
         if key in self._barred:
             raise BenchError(self._barred[key])
         change = self._kept.get(key)
         if change is None:
+            position, *rates = self._active
             try:
-                tree = motion_near(geometry, self._tree, *self._active)
+                tree = motion_near(other, self._tree, position + np.array(shift), *rates)
             except BenchError as error:
                 self._barred[key] = str(error)
                 raise
-            change = small_change(self._rows(geometry, tree) - self._base_rows)
+            change = small_change(machine_rows(self._model, other, tree) - self._base_rows)
             self._kept.keep(key, change, change.values.nbytes)
+        return change
+
+    def machine_change(self, index: int, geometry: Geometry, shift: np.ndarray) -> np.ndarray:
+        """Change (K, n, nb + 10 + r) of the matrix of a recording by other lengths and a constant shift (n,) of the
+        active positions. Raises BenchError as `moved` does.
+        """
+        part = self.part[index]
+        if geometry is not self._model.geometry or self.is_far(
+            shift[None, None] * np.eye(3)[0][:, None, None]
+        ):
+            return self.moved(tuple(shift.tolist()), geometry).rows(part)
+        change = np.zeros_like(self._base_rows[part])
+        for motor, by in enumerate(shift.tolist()):
+            if by:
+                slope, bend = self._differences(0, motor)
+                change += by * (slope.rows(part) + 0.5 * by * bend.rows(part))
         return change
 
     @cached_property
     def _base_rows(self) -> np.ndarray:
-        return self._rows(self._model.geometry, self._tree)
+        return machine_rows(self._model, self._model.geometry, self._tree)
 
     def _step(self, order: int, motor: int) -> float:
         geometry = self._model.geometry
@@ -212,18 +244,22 @@ class Nearby:
             moved[order][k * samples : (k + 1) * samples, motor] += step
         tree = self._tree.at(np.tile(np.arange(samples), count))
         geometry = self._model.geometry
-        return np.split(self._rows(geometry, motion_near(geometry, tree, *moved)), count)
+        return np.split(machine_rows(self._model, geometry, motion_near(geometry, tree, *moved)), count)
 
-    def _rows(self, geometry: Geometry, tree: Motion) -> np.ndarray:
-        base_columns, redundant = self._model.base.columns, redundant_columns(geometry)
-        nb, tool = len(base_columns), geometry.tool
-        load = np.zeros(0, dtype=int) if tool is None else self._model.payload_columns
-        rows = projected_regressor(geometry, tree, np.concatenate((base_columns, load, redundant)))
-        if tool is None:
-            return np.insert(rows, [nb] * 10, 0.0, axis=2)
-        loaded = rows[:, :, nb : nb + 10]
-        loaded[:] = loaded @ payload_transform(tool)
-        return rows
+
+def machine_rows(model: IdentificationModel, geometry: Geometry, tree: Motion) -> np.ndarray:
+    """Columns (K, n, nb + 10 + r) of the base parameters, of a payload in the tool frame, zero without a tool, and of a
+    unit torque of each redundant motor.
+    """
+    base_columns, redundant = model.base.columns, redundant_columns(geometry)
+    nb, tool = len(base_columns), geometry.tool
+    load = np.zeros(0, dtype=int) if tool is None else model.payload_columns
+    rows = projected_regressor(geometry, tree, np.concatenate((base_columns, load, redundant)))
+    if tool is None:
+        return np.insert(rows, [nb] * 10, 0.0, axis=2)
+    loaded = rows[:, :, nb : nb + 10]
+    loaded[:] = loaded @ payload_transform(tool)
+    return rows
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -298,6 +334,9 @@ class NearbySignals(RobotSignals):
         """As `RobotSignals.coarse_change`; a shift comes alone."""
         if shift is None:
             return self._smooth(self._change(gravity, geometry), self.coarse.time)
+        if self.nearby.is_far(shift):
+            moved = self.nearby.moved(tuple(shift[0, 0].tolist()))
+            return self._smooth(self._torque(self._rows(moved)), self.coarse.time)
         change = np.zeros_like(self.coarse.torque)
         for order, motor in zip(*np.nonzero(np.einsum("okn,okn->on", shift, shift)), strict=True):
             values = shift[order, :, motor, None]
@@ -355,7 +394,7 @@ class NearbySignals(RobotSignals):
         return cubic_spline(self.knots, values)(time)
 
 
-def _few_samples(measured: Measured) -> np.ndarray:
+def few_samples(measured: Measured) -> np.ndarray:
     """Samples of a recording between which its motion is smooth, with the first and last.
 
     The effect of noise on a small change is far smaller than the change and is neglected.

@@ -29,13 +29,14 @@ from bench.identification.least_squares import weighted_least_squares
 from bench.identification.prepare import Prepared
 from bench.identification.solution import Fitted, NominalGains, Solution
 from bench.identification.tolerances import TOLERANCES
+from bench.model.geometry import Geometry
 
 FIXED = "fixed columns"
 
 
 def solved_quickly(prepared: Prepared) -> tuple[Stack, Solution]:
     """The current-domain solution of prepared equations, without deviations; zero for absorbed effects."""
-    stack = _stacked(prepared)
+    stack = stacked(prepared)
     kept = identifiable(prepared, stack)
     return stack, solved_with(stack, kept, prepared.gains, prepared.present.gains)
 
@@ -53,7 +54,7 @@ def identifiable(prepared: Prepared, stack: Stack) -> np.ndarray:
     return identifiable_columns(stack, layout, prepared.gains, span)
 
 
-def _stacked(prepared: Prepared) -> Stack:
+def stacked(prepared: Prepared) -> Stack:
     """The equations of a model; columns common to all models are orthogonalised once."""
     parts = prepared.fitted, prepared.layout, prepared.dataset.payloads
     if not prepared.layout.effects:
@@ -81,12 +82,18 @@ def spread(stack: Stack, solution: Solution) -> np.ndarray:
     return np.sqrt((error**2 * stack.moving).sum(axis=0) / np.maximum(stack.moving.sum(axis=0), 1))
 
 
-def linearised(instances: Sequence[EffectInstance], values: np.ndarray) -> tuple[EffectInstance, ...]:
-    """The effects linearised about these values (k,) of their parameters, one after the other."""
+def linearised(
+    geometry: Geometry, instances: Sequence[EffectInstance], values: np.ndarray
+) -> tuple[EffectInstance, ...]:
+    """The effects linearised about these values (k,) of their parameters, one after the other, as far as they are valid
+    in a robot of this geometry.
+    """
     linear = []
     for instance, part in parameter_slices(instances):
         names = [parameter.name for parameter in instance.effect.parameters]
-        about = instance.effect.about(dict(zip(names, values[part].tolist(), strict=True)))
+        furthest = instance.effect.furthest(geometry, instance.joint)
+        there = np.clip(values[part], -furthest, furthest).tolist()
+        about = instance.effect.about(dict(zip(names, there, strict=True)))
         linear.append(replace(instance, effect=about))
     return tuple(linear)
 

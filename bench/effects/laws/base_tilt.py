@@ -1,7 +1,7 @@
 """A base that does not stand as the model says."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -83,6 +83,13 @@ class BaseTilt(Effect):
             for joint in geometry.joints
             if _level(geometry, joint)
         }
+
+    def machine(self, geometry: Geometry, joint: str, values: np.ndarray) -> Geometry:  # noqa: ARG002 - as below
+        gravity = geometry.gravity
+        vertical = int(np.argmax(np.abs(gravity)))
+        for axis, angle in zip(((vertical + 1) % 3, (vertical + 2) % 3), values.tolist(), strict=True):
+            gravity = _turned(gravity, axis, -angle)
+        return replace(geometry, gravity=gravity)
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:  # noqa: ARG002 - it sits nowhere in particular
         gravity = turned = robot.geometry.gravity

@@ -7,8 +7,9 @@ import numpy as np
 from bench.effects.effect import Effect, EffectParameter
 from bench.effects.secant import rounded, secant
 from bench.effects.signals import RobotSignals
+from bench.model.geometry import Geometry
 
-SMALLEST, NEAR, LARGEST = 1e-3, 0.02, 0.2  # rad (m for a slide, a tenth of that): step of the difference
+SMALLEST, NEAR, LARGEST = 1e-3, 0.02, 0.5  # rad (m for a slide, a tenth of that): step of the difference
 SLIDE = 0.1
 
 
@@ -30,11 +31,17 @@ class EncoderOffset(Effect):
     in_key = ("small, and grows with acceleration too",)
     parameters = (EffectParameter("offset", "{angle}"),)
     depends_on_model = True
+    bends = True
+    changes_machine = True
 
     offset: float = 0.0
 
     def position_offset(self, values: np.ndarray) -> float:
         return float(values[0])
+
+    def furthest(self, geometry: Geometry, joint: str) -> float:
+        slides = geometry.joints[geometry.joint_index(joint)].kind == "slide"
+        return LARGEST * (SLIDE if slides else 1.0)
 
     def nodes(self, robot: RobotSignals, joint: str) -> tuple[float, float] | None:
         size = NEAR * (1.0 if robot.joints[joint].rotates else SLIDE)

@@ -8,6 +8,7 @@ from bench.effects.body_length import lengths, with_length
 from bench.effects.effect import Effect, EffectParameter
 from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
+from bench.model.geometry import Geometry
 
 SMALLEST, NEAR, LARGEST = 1e-3, 0.01, 0.05  # of the length: step of the difference
 
@@ -35,12 +36,20 @@ class GeometricError(Effect):
     parameters = (EffectParameter("dl", "m"),)
     place = "body"
     depends_on_model = True
+    bends = True
+    changes_machine = True
 
     dl: float = 0.0
+
+    def furthest(self, geometry: Geometry, joint: str) -> float:
+        return LARGEST * lengths(geometry)[joint].length
 
     def nodes(self, robot: RobotSignals, joint: str) -> tuple[float, float] | None:
         size = NEAR * lengths(robot.geometry)[joint].length
         return -size, size
+
+    def machine(self, geometry: Geometry, joint: str, values: np.ndarray) -> Geometry:
+        return with_length(geometry, lengths(geometry)[joint], float(values[0]))
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
         body = lengths(robot.geometry)[joint]
