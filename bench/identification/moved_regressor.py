@@ -9,68 +9,78 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.basics.errors import BenchError
 from bench.basics.interpolation import cubic_spline
 from bench.effects import EffectInstance
 from bench.identification.filtered import Measured
-from bench.identification.layout import regressor_rows
-from bench.identification.perturbations import few_samples, machine_rows
+from bench.identification.layout import known_rows, regressor_rows
+from bench.identification.observation import Observation
+from bench.identification.perturbations import machine_rows
 from bench.identification.perturbed_observation import geometry_key
 from bench.identification.prepare import Prepared
+from bench.identification.tolerances import TOLERANCES
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import motion_near
-from bench.signals.decimation import decimated_indices
+from bench.signals.decimation import decimate_sparse, decimated_indices
 
 AS_MEASURED = b""  # the key of the unchanged machine
 
 
-def regressor_change(prepared: Prepared) -> np.ndarray | None:
-    """Change (M, n, p) of the fitted rows of all columns but those of effects, which are zero, by effects at the values
-    about which they are linearised; None if these change nothing, or the loops cannot be closed with them.
+def regressor_change(prepared: Prepared) -> tuple[np.ndarray, np.ndarray] | None:
+    """Changes of the fitted rows by effects at the values about which they are linearised: (M, n, p) of all columns but
+    those of effects, which are zero, and (M, n) of the known torque; None if these effects change nothing.
+
+    Raises BenchError if the loops cannot be closed with them.
     """
-    changes = []
-    for index, observation in enumerate(prepared.observations):
-        if observation.use != "identify":
-            continue
-        try:
-            changes.append(_of_recording(prepared, index))
-        except BenchError:  # out of reach, or singular: values that no fit will keep
-            return None
-    return None if all(change is None for change in changes) else _stacked(prepared, changes)
+    changed = [
+        _changed(prepared, index) if observation.use == "identify" else None
+        for index, observation in enumerate(prepared.observations)
+    ]
+    if all(observation is None for observation in changed):
+        return None
+    layout, payloads = prepared.layout, prepared.dataset.payloads
+    columns, known = [], []
+    for observation, change in zip(prepared.observations, changed, strict=True):
+        if observation.use == "identify":
+            shape = observation.current.shape
+            columns.append(
+                np.zeros((*shape, layout.size)) if change is None else regressor_rows(change, layout)
+            )
+            known.append(np.zeros(shape) if change is None else known_rows(change, payloads))
+    return np.concatenate(columns), np.concatenate(known)
 
 
-def _stacked(prepared: Prepared, changes: list[np.ndarray | None]) -> np.ndarray:
-    shapes = [(*observation.current.shape, prepared.layout.size) for observation in prepared.fitted]
-    return np.concatenate(
-        [np.zeros(shape) if change is None else change for shape, change in zip(shapes, changes, strict=True)]
-    )
-
-
-def _of_recording(prepared: Prepared, index: int) -> np.ndarray | None:
-    """Computed at few samples, between which the change is smooth."""
+def _changed(prepared: Prepared, index: int) -> Observation | None:
+    """A recording's equations with the change of its columns in place of these; None if nothing changes."""
     measured, observation = prepared.measured[index], prepared.observations[index]
     model = prepared.model
     geometry, offsets = _machine(model.geometry, prepared.effects, measured.recording.log)
     shift = np.array([offsets.get(joint, 0.0) for joint in model.geometry.robot.joints])
     if geometry is model.geometry and not shift.any():
         return None
-    change = (
-        _at_few_samples(model, measured, geometry, shift)
-        if prepared.nearby is None
-        else prepared.nearby.machine_change(index, geometry, -shift)
-    )
+    every, decimation = prepared.signals[index].every, prepared.settings.decimation
+    coarse = np.arange(0, len(measured.time), every)
+    if prepared.nearby is None:
+        change = _at_samples(model, measured, coarse, geometry, shift)
+    else:
+        knots = measured.time[prepared.nearby.few[index]]
+        near = prepared.nearby.machine_change(index, geometry, -shift)
+        change = cubic_spline(knots, near)(measured.time[coarse])
+    shape = change.shape[1:]
+    if len(coarse) < TOLERANCES.motion.sparse_samples:
+        at_rows = cubic_spline(measured.time[coarse], change)(observation.time)
+    else:
+        flat = decimate_sparse(change.reshape(len(change), -1), every, len(measured.time), decimation)
+        at_rows = flat.reshape(-1, *shape)
     nb, end = len(model.base.columns), len(model.base.columns) + 10
-    at_rows = cubic_spline(measured.time[few_samples(measured)], change)(observation.time)
-    redundant = measured.redundant[decimated_indices(len(measured.time), prepared.settings.decimation)]
-    changed = replace(
+    redundant = measured.redundant[decimated_indices(len(measured.time), decimation)]
+    return replace(
         observation,
         rigid=at_rows[:, :, :nb],
         payload=None if observation.payload is None else at_rows[:, :, nb:end],
         redundant=at_rows[:, :, end:] * redundant[:, None, :],
         effects=np.zeros((*observation.current.shape, prepared.layout.effects)),
     )
-    return regressor_rows(changed, prepared.layout)
 
 
 def _machine(
@@ -89,19 +99,20 @@ def _machine(
     return machine, offsets
 
 
-def _at_few_samples(
-    model: IdentificationModel, measured: Measured, geometry: Geometry, shift: np.ndarray
+def _at_samples(
+    model: IdentificationModel, measured: Measured, some: np.ndarray, geometry: Geometry, shift: np.ndarray
 ) -> np.ndarray:
-    """Change (K, n, nb + 10 + r) of the regressor by a geometry and encoder offsets (n,); the last one is kept."""
-    few = few_samples(measured)
+    """Change (K, n, nb + 10 + r) of the regressor by a geometry and encoder offsets (n,) at samples (K,); the last one
+    is kept.
+    """
     if AS_MEASURED not in measured.few:
-        tree = measured.tree.at(few)
+        tree = measured.tree.at(some)
         measured.few[AS_MEASURED] = tree, machine_rows(model, model.geometry, tree)
     near, unchanged = measured.few[AS_MEASURED]
     key = geometry_key(geometry) + shift.tobytes()
     if key not in measured.few:
-        rates = measured.velocity[few], measured.acceleration[few]
-        there = motion_near(geometry, near, measured.position[few] - shift, *rates)
+        rates = measured.velocity[some], measured.acceleration[some]
+        there = motion_near(geometry, near, measured.position[some] - shift, *rates)
         measured.few.clear()
         measured.few[AS_MEASURED] = near, unchanged
         measured.few[key] = there, machine_rows(model, geometry, there)

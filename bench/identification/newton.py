@@ -5,15 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.basics.errors import BenchError
 from bench.effects import Bracket, EffectInstance
 from bench.effects.select import parameter_slices
 from bench.identification.compressed import Stack, compress
+from bench.identification.decision import RULE
+from bench.identification.gauss_newton import beyond
 from bench.identification.identifiability_of_effects import with_zeros
 from bench.identification.joint_samples import joint_samples
 from bench.identification.moved_regressor import regressor_change
 from bench.identification.partial_regression import torque_errors
 from bench.identification.prepare import Prepared, with_effects
-from bench.identification.solution import Solution
+from bench.identification.solution import NominalGains, Solution
 from bench.identification.solve_only import (
     candidate_columns,
     identifiable,
@@ -27,11 +30,13 @@ from bench.identification.solve_only import (
 from bench.identification.tolerances import TOLERANCES
 
 
-def stepped(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Prepared, Stack, Solution] | None:
+def stepped(
+    prepared: Prepared, stack: Stack, solution: Solution, *, trusted: bool = True
+) -> tuple[Prepared, Stack, Solution] | None:
     """A Gauss-Newton step of all nonlinear parameters and linear unknowns together; the model is solved there.
 
-    stack, solution: of the present model, from `solved_about`. None if there is nothing to move, or even a small
-    share of the step increases the errors.
+    stack, solution: of the present model, from `solved_about` with the same `trusted`. None if there is nothing to move
+    or even a small share of the step increases the errors.
     """
     shapes, columns = _shape_derivatives(prepared, solution.theta, stack.current.shape)
     bent, about = _bends(prepared, stack.current.shape, every=False)
@@ -62,42 +67,59 @@ def stepped(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Prepa
     for share in TOLERANCES.shapes.shares:
         instances = _moved(prepared, shapes, share * theta[added], reaches, about + share * (values - about))
         moved = with_effects(prepared, instances, fitted_only=True)
-        after = solved_about(moved)
+        try:
+            after = solved_about(moved, trusted=trusted)
+        except BenchError:  # out of reach, or singular
+            continue
         ratio = np.divide(spread(*after), before, out=np.ones_like(before), where=before > 0.0)
         if (ratio**2).mean() <= 1.0 + TOLERANCES.steps.rounding:
             return moved, *after
     return None
 
 
-def solved_about(prepared: Prepared) -> tuple[Stack, Solution]:
+def solved_about(prepared: Prepared, *, trusted: bool) -> tuple[Stack, Solution]:
     """As `solved_quickly`; effects that change the machine are held at the values about which they are linearised, and
     the regressor is that of the changed machine: the solution does not depend on the present model.
+
+    trusted: the present model is nearly right. Otherwise drive gains are held, too, since those of a wrong machine can
+    run away, and the torque of these effects is that of the regressor, not of their more exact columns. Raises
+    BenchError if the loops cannot be closed.
     """
-    held = np.array(
+    held = _columns_of_machine(prepared.effects)
+    if not len(held):
+        return solved_quickly(prepared)
+    stack, values = stacked(prepared), _values_about(prepared.effects)[held]
+    changes = regressor_change(prepared)
+    at = prepared.layout.effect_slice.start + held
+    if changes is not None:
+        moving, (change, known) = stack.moving, changes
+        more = -(change @ known_values(prepared)) if trusted else known - stack.phi[:, :, at] @ values
+        phi, kappa = stack.phi + change * moving[:, :, None], stack.kappa + more * moving
+        stack = replace(stack, phi=phi, kappa=kappa, factors=compress(phi, kappa, stack.current))
+    kappa = stack.kappa + stack.phi[:, :, at] @ values
+    system = replace(stack, kappa=kappa, factors=compress(stack.phi, kappa, stack.current))
+    kept, gains = np.setdiff1d(identifiable(prepared, stack), at), prepared.gains
+    near = prepared.present.gains
+    if not trusted:
+        near = np.where(beyond(near[:, None] / gains.values[:, None], RULE.gain_far), gains.values, near)
+        gains = NominalGains(near, fitted=False)
+    solution = solved_with(system, kept, gains, near)
+    theta = solution.theta.copy()
+    theta[at] = values
+    return stack, replace(solution, theta=theta, gains_fitted=prepared.gains.fitted)
+
+
+def _columns_of_machine(effects: Sequence[EffectInstance]) -> np.ndarray:
+    """Indices (k,) of the parameters of effects that change the machine, among those of all effects."""
+    return np.array(
         [
             k
-            for instance, part in parameter_slices(prepared.effects)
+            for instance, part in parameter_slices(effects)
             if instance.effect.changes_machine
             for k in range(part.start, part.stop)
         ],
         dtype=int,
     )
-    if not len(held):
-        return solved_quickly(prepared)
-    stack = stacked(prepared)
-    change = regressor_change(prepared)
-    if change is not None:
-        stack = _linearised(stack, change, known_values(prepared), np.zeros((*stack.current.shape, 0)))
-    values = _values_about(prepared.effects)
-    held_torque = stack.phi[:, :, prepared.layout.effect_slice][:, :, held] @ values[held]
-    kappa = stack.kappa + held_torque
-    system = replace(stack, kappa=kappa, factors=compress(stack.phi, kappa, stack.current))
-    held_columns = prepared.layout.effect_slice.start + held
-    kept = np.setdiff1d(identifiable(prepared, stack), held_columns)
-    solution = solved_with(system, kept, prepared.gains, prepared.present.gains)
-    theta = solution.theta.copy()
-    theta[held_columns] = values[held]
-    return stack, replace(solution, theta=theta)
 
 
 def _values_about(effects: Sequence[EffectInstance]) -> np.ndarray:
@@ -171,7 +193,8 @@ def with_shape_columns(
     prepared: Prepared, stack: Stack, solution: Solution, kept: np.ndarray
 ) -> tuple[Stack, Solution]:
     """The system linearised in all parameters: one more column for every continuous shape parameter; if an effect is
-    linearised about parameters, the derivatives by these replace its columns.
+    linearised about parameters, the derivatives by these replace its columns, and the regressor is that of the changed
+    machine.
 
     Only for deviations: the new parameters are zero and come last; errors do not change. kept: the layout's columns
     that the stack has.
@@ -182,8 +205,10 @@ def with_shape_columns(
     bent, about = _bends(prepared, stack.current.shape, every=True)
     if not shapes and not about.any():
         return stack, solution
-    whole = np.concatenate((np.zeros((*bent.shape[:2], size - effects)), bent), axis=2)[:, :, kept]
-    system = _linearised(stack, whole, solution.theta, columns)
+    whole = np.concatenate((np.zeros((*bent.shape[:2], size - effects)), bent), axis=2)
+    if len(_columns_of_machine(prepared.effects)) and (changes := regressor_change(prepared)) is not None:
+        whole += changes[0]
+    system = _linearised(stack, whole[:, :, kept], solution.theta, columns)
     return system, replace(solution, theta=np.append(solution.theta, np.zeros(len(shapes))))
 
 
@@ -212,9 +237,11 @@ def _bends(prepared: Prepared, rows: tuple[int, ...], *, every: bool) -> tuple[n
         about.append(values)
         derivatives = np.zeros((*rows, len(values)))
         unchanged = candidate_columns(prepared, [instance]) if values.any() else derivatives
+        shapes = TOLERANCES.shapes
+        step = shapes.machine_difference if instance.effect.changes_machine else shapes.difference
         for k, parameter in enumerate(instance.effect.parameters):
             if values[k]:
-                value = values[k] * (1.0 + TOLERANCES.shapes.difference)
+                value = values[k] * (1.0 + step)
                 there = replace(instance, effect=instance.effect.about(known | {parameter.name: value}))
                 derivatives[:, :, k] = (
                     (candidate_columns(prepared, [there]) - unchanged) @ values / (value - values[k])

@@ -7,11 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from bench.basics.deadline import NEVER, Deadline
+from bench.basics.errors import BenchError
 from bench.effects import EffectInstance
 from bench.effects.select import parameter_slices
 from bench.identification.compressed import Stack
 from bench.identification.decision import RULE
 from bench.identification.effect_columns import PresentModel
+from bench.identification.moved_regressor import regressor_change
 from bench.identification.newton import solved_about, stepped
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared, with_effects, with_judged
@@ -49,6 +51,11 @@ def present_model(prepared: Prepared, solution: Solution) -> PresentModel:
 def settles(instances: Sequence[EffectInstance]) -> bool:
     """Whether effects need rounds to converge; until then, recordings that are not fitted need no columns."""
     return any(instance.effect.shape or instance.effect.depends_on_model for instance in instances)
+
+
+def changes_machine(instances: Sequence[EffectInstance]) -> bool:
+    """Whether any effect is a change of motion, lengths or gravity."""
+    return any(instance.effect.changes_machine for instance in instances)
 
 
 def converged(
@@ -120,17 +127,28 @@ def _rounds(
 ) -> Prepared:
     """Rounds from effects linearised about `present`, until the state no longer changes from `before`.
 
-    A settled model keeps the columns with which this was observed.
+    A settled model keeps the columns with which this was observed. Once a step has made errors larger, changes of
+    the machine settle first without the present model, see `solved_about`.
     """
+    instances = _closed(prepared, instances)
     last, settled = instances, False
+    trusted, doubted, last_errors = True, False, None
     for _ in range(TOLERANCES.steps.rounds if most is None else most):
         deadline.check()
         prepared = with_effects(prepared, instances, present, fitted_only=True)
-        solved = None if before is None else solved_about(prepared)
-        together = None if solved is None else stepped(prepared, *solved)
+        solved = None if before is None else solved_about(prepared, trusted=trusted)
+        if solved and changes_machine(instances):
+            errors = spread(*solved)
+            if last_errors is not None and not doubted and _worse(errors, last_errors):
+                trusted, doubted = False, True
+                solved = solved_about(prepared, trusted=trusted)
+            last_errors = errors
+        together = None if solved is None else stepped(prepared, *solved, trusted=trusted)
         if together is None:
             unshaped, prepared = prepared, _shaped(prepared, deadline)
-            stack, solution = solved if solved and prepared is unshaped else solved_about(prepared)
+            stack, solution = (
+                solved if solved and prepared is unshaped else solved_about(prepared, trusted=trusted)
+            )
         else:
             prepared, stack, solution = together
         instances = prepared.effects
@@ -149,12 +167,37 @@ def _rounds(
             continue
         now = _state(replace(prepared, effects=instances), stack, solution)
         if before is not None and _alike(now, before, int(stack.moving.sum())):
-            settled = True
-            break
+            settled = trusted
+            if settled:
+                break
+            trusted = True
         before = now
     if not settled and most is None:
         return replace(with_effects(prepared, instances, present), converged=True)
     return replace(with_judged(prepared), converged=True, provisional=not settled)
+
+
+def _worse(errors: np.ndarray, before: np.ndarray) -> bool:
+    """Whether motors' errors (n,) are clearly larger than before."""
+    ratio = np.divide(errors, before, out=np.ones_like(errors), where=before > 0.0)
+    return bool((ratio**2).mean() > TOLERANCES.shapes.distrusted**2)
+
+
+def _closed(prepared: Prepared, instances: tuple[EffectInstance, ...]) -> tuple[EffectInstance, ...]:
+    """The effects; those that change the machine about zero, if the loops cannot be closed with their values."""
+    if not changes_machine(instances):
+        return instances
+    try:
+        regressor_change(replace(prepared, effects=instances))
+    except BenchError:
+        nothing = (
+            each.effect.about({parameter.name: 0.0 for parameter in each.effect.parameters})
+            if each.effect.changes_machine
+            else each.effect
+            for each in instances
+        )
+        return tuple(replace(each, effect=effect) for each, effect in zip(instances, nothing, strict=True))
+    return instances
 
 
 def _state(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[np.ndarray, ...]:

@@ -43,7 +43,7 @@ class Nearby:
     """
 
     def __init__(self, model: IdentificationModel, measured: Sequence[Measured]) -> None:
-        self.few = tuple(few_samples(measurement) for measurement in measured)
+        self.few = tuple(_few_samples(measurement) for measurement in measured)
         ends = np.cumsum([0, *map(len, self.few)])
         self.part = tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
         self._model = model
@@ -394,7 +394,7 @@ class NearbySignals(RobotSignals):
         return cubic_spline(self.knots, values)(time)
 
 
-def few_samples(measured: Measured) -> np.ndarray:
+def _few_samples(measured: Measured) -> np.ndarray:
     """Samples of a recording between which its motion is smooth, with the first and last.
 
     The effect of noise on a small change is far smaller than the change and is neglected.

@@ -1,0 +1,58 @@
+"""Effects that change the machine (zeros of encoders, lengths): steps with the regressor of the changed machine."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.effects import CATALOGUE, EffectInstance
+from bench.identification.identify import identify
+from bench.identification.moved_regressor import regressor_change
+from bench.identification.newton import known_values
+from bench.identification.prepare import prepare, with_effects
+from bench.identification.problem import problem_of
+from bench.identification.solve_only import candidate_columns
+from bench.truth.dataset import as_dataset
+from bench.truth.simulate import simulate
+from tests.hidden_kit import plain, scenario
+
+ABOUT = {
+    "encoder_offset": ("axis_1", "offset", 0.003),
+    "geometric_error": ("carriage_1", "dl", 0.002),
+    "base_tilt": ("", "tilt_x", 0.02),
+}
+
+
+@pytest.mark.parametrize("name", ABOUT)
+def test_the_regressor_changes_as_the_torque_of_any_parameters(name: str):
+    prepared = prepare(problem_of(as_dataset(plain("orthoglide", recordings=("free",)))))
+    joint, parameter, value = ABOUT[name]
+    effect = CATALOGUE[name].about({parameter: value})
+    instance = EffectInstance(effect, joint, name)
+    for heavier in (1.0, 2.0):
+        base = prepared.present.base * np.linspace(1.0, heavier, len(prepared.present.base))
+        seen = with_effects(prepared, [instance], replace(prepared.present, base=base))
+        changes = regressor_change(seen)
+        assert changes is not None
+        moving = seen.fitted[0].moving
+        by_effect = candidate_columns(seen, [instance])[:, :, 0] * value * moving
+        by_parameters = changes[0] @ known_values(seen) * moving
+        off = np.linalg.norm(by_parameters - by_effect) / np.linalg.norm(by_effect)
+        assert off < 0.01, (name, heavier)
+
+
+def test_without_such_an_effect_nothing_changes():
+    prepared = prepare(problem_of(as_dataset(plain("orthoglide", recordings=("free",)))))
+    friction = EffectInstance(CATALOGUE["coulomb_friction"], "axis_1", "coulomb_friction:axis_1")
+    assert regressor_change(with_effects(prepared, [friction])) is None
+
+
+def test_wrong_zeros_are_found_where_parameters_are_hardly_determined():
+    offsets = {"axis_1": 0.001, "axis_2": -0.001, "axis_3": 0.012}
+    hidden = [{"effect": "encoder_offset", "joint": joint, "offset": x} for joint, x in offsets.items()]
+    simulation = simulate(scenario("orthoglide", hidden, design={"optimise": False, "duration": 8.0}))
+    answer = identify(prepare(problem_of(as_dataset(simulation), ["encoder_offset"])))
+    for joint, true in offsets.items():
+        offset = answer.effect_parameters["encoder_offset"][joint]["offset"]
+        assert offset.value == pytest.approx(true, abs=1e-4)
+    assert answer.error.identify < 0.0025  # noise
