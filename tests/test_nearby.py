@@ -7,7 +7,7 @@ import pytest
 
 from bench.effects import CATALOGUE, EffectInstance, effect_columns
 from bench.effects.body_length import lengths
-from bench.identification import perturbations
+from bench.identification import observation_matrix
 from bench.identification.effect_columns import robot_signals
 from bench.identification.effect_rows import effect_rows
 from bench.identification.perturbations import Nearby
@@ -91,9 +91,9 @@ def test_columns_filtered_together_are_those_of_each_alone(seen):
 
 
 def test_rows_of_a_robot_with_a_tool_are_the_regressor_s_own_and_no_copy(tmp_path, monkeypatch):
-    made, regressor = [], perturbations.projected_regressor
+    made, regressor = [], observation_matrix.projected_regressor
     monkeypatch.setattr(
-        perturbations, "projected_regressor", lambda *given: made.append(regressor(*given)) or made[-1]
+        observation_matrix, "projected_regressor", lambda *given: made.append(regressor(*given)) or made[-1]
     )
     _, model, measured, _ = moving_robot("delta", tmp_path, samples=3001)
     assert np.shares_memory(Nearby(model, [measured])._base_rows, made[0])

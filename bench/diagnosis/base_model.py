@@ -15,7 +15,7 @@ from bench.effects import EffectInstance, changes_torque
 from bench.identification.compressed import Stack
 from bench.identification.decision import RULE
 from bench.identification.effect_columns import PresentModel
-from bench.identification.nonlinear import converged, converged_from, present_model, settles
+from bench.identification.nonlinear import changes_machine, converged, converged_from, present_model, settles
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared, seen_nearby, with_effects
 from bench.identification.solution import Solution, scaled_lstsq, torque_residual_rms, torque_system, weighted
@@ -77,7 +77,11 @@ class BaseModel:
         near = self._settled_nearby(instances)
         if leaves_only_noise(system, near, self.noise):
             return at_its_solution(near)
-        return self._seen_by(self.start, near, TOLERANCES.search.settling_rounds)
+        bounds = TOLERANCES.search
+        machine = changes_machine(instances)
+        return self._seen_by(
+            self.start, near, bounds.settling_machine_rounds if machine else bounds.settling_rounds
+        )
 
     def exactly(self, model: Prepared) -> Prepared:
         """A model converged with nearby columns, now with exact ones."""

@@ -14,7 +14,7 @@ from bench.effects import EffectInstance
 from bench.identification.filtered import Measured
 from bench.identification.layout import known_rows, regressor_rows
 from bench.identification.observation import Observation
-from bench.identification.perturbations import machine_rows
+from bench.identification.observation_matrix import machine_rows
 from bench.identification.perturbed_observation import geometry_key
 from bench.identification.prepare import Prepared
 from bench.identification.tolerances import TOLERANCES

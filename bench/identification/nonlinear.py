@@ -133,7 +133,9 @@ def _rounds(
     instances = _closed(prepared, instances)
     last, settled = instances, False
     trusted, doubted, last_errors = True, False, None
-    for _ in range(TOLERANCES.steps.rounds if most is None else most):
+    bounds = TOLERANCES.steps
+    limit = bounds.machine_rounds if changes_machine(instances) else bounds.rounds
+    for _ in range(limit if most is None else most):
         deadline.check()
         prepared = with_effects(prepared, instances, present, fitted_only=True)
         solved = None if before is None else solved_about(prepared, trusted=trusted)

@@ -20,6 +20,7 @@ from bench.effects.row_cache import KeptRows, LeastAsked
 from bench.effects.signals import OVERSAMPLING, UNCHANGED, Changed, JointReaction, Sparse
 from bench.identification.effect_columns import PresentModel, combined_torque, needed_torque
 from bench.identification.filtered import Measured
+from bench.identification.observation_matrix import machine_rows
 from bench.identification.perturbed_observation import KEPT, SmallChange, geometry_key, small_change
 from bench.identification.sparse_signals import sparse_gaps, sparse_joint
 from bench.identification.tolerances import TOLERANCES
@@ -27,7 +28,6 @@ from bench.model.bounds import NODES
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
 from bench.model.motion import Motion, motion_near
-from bench.model.regressor import payload_transform, projected_regressor, redundant_columns
 from bench.signals.decimation import fit_band
 
 NODES_IN_STEPS = 2.0  # of a wrong zero, see `EncoderOffset.nodes`, in steps of the derivatives
@@ -245,21 +245,6 @@ class Nearby:
         tree = self._tree.at(np.tile(np.arange(samples), count))
         geometry = self._model.geometry
         return np.split(machine_rows(self._model, geometry, motion_near(geometry, tree, *moved)), count)
-
-
-def machine_rows(model: IdentificationModel, geometry: Geometry, tree: Motion) -> np.ndarray:
-    """Columns (K, n, nb + 10 + r) of the base parameters, of a payload in the tool frame, zero without a tool, and of a
-    unit torque of each redundant motor.
-    """
-    base_columns, redundant = model.base.columns, redundant_columns(geometry)
-    nb, tool = len(base_columns), geometry.tool
-    load = np.zeros(0, dtype=int) if tool is None else model.payload_columns
-    rows = projected_regressor(geometry, tree, np.concatenate((base_columns, load, redundant)))
-    if tool is None:
-        return np.insert(rows, [nb] * 10, 0.0, axis=2)
-    loaded = rows[:, :, nb : nb + 10]
-    loaded[:] = loaded @ payload_transform(tool)
-    return rows
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -57,7 +57,8 @@ class StepBounds:
     creeping: float = 0.1
     creeping_nats: float = 1e-3  # decrease below which creeping steps end: chance has a larger effect
     scale_ratio: float = 100.0  # between motors, beyond which a basis is formed for other scales
-    rounds: int = 12  # of gains and shape parameters
+    rounds: int = 6  # of gains and shape parameters
+    machine_rounds: int = 12  # the same with effects that change the machine, whose steps are shorter
     settled: float = 1e-4  # relative change of gains and shape parameters between rounds
     # relative change of the RMS errors between rounds: chance has a far larger effect
     errors_settled: float = 1e-6
@@ -191,7 +192,8 @@ class SearchBounds:
 
     rounds: int = 6  # of proposals, choice and fit
     alike: int = 2  # like the present one, which are fitted where the best of the search is no better
-    settling_rounds: int = 3  # of shape parameters, of a model that has settled nearby, during the search
+    settling_rounds: int = 1  # of shape parameters, of a model that has settled nearby, during the search
+    settling_machine_rounds: int = 3  # the same with effects that change the machine
     alone: int = 9  # effects on the shortlist for what they explain alone
     with_best: int = 7  # effects on the shortlist for what they explain with the best set
     # effects: up to this size all sets are compared; larger ones grow by one effect at a time
