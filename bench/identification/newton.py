@@ -237,11 +237,9 @@ def _bends(prepared: Prepared, rows: tuple[int, ...], *, every: bool) -> tuple[n
         about.append(values)
         derivatives = np.zeros((*rows, len(values)))
         unchanged = candidate_columns(prepared, [instance]) if values.any() else derivatives
-        shapes = TOLERANCES.shapes
-        step = shapes.machine_difference if instance.effect.changes_machine else shapes.difference
         for k, parameter in enumerate(instance.effect.parameters):
             if values[k]:
-                value = values[k] * (1.0 + step)
+                value = values[k] * (1.0 + TOLERANCES.shapes.difference)
                 there = replace(instance, effect=instance.effect.about(known | {parameter.name: value}))
                 derivatives[:, :, k] = (
                     (candidate_columns(prepared, [there]) - unchanged) @ values / (value - values[k])

@@ -86,8 +86,6 @@ class ShapeBounds:
     # of such a step that are tried, until one does not increase the errors
     shares: tuple[float, ...] = (1.0, 0.3, 0.1)
     difference: float = 1e-3  # for the derivative by a shape parameter
-    # the same by a value of an effect that changes the machine, whose columns hold for four digits of it
-    machine_difference: float = 0.02
     expansion: float = 5.0  # times its nodes: range in which a column of an effect is taken as linear
     distrusted: float = 1.5  # times the errors before a step: the present model is too far off
     machine_expansion: float = 2.0  # the same of one that changes the machine; beyond, loops are closed again
@@ -193,7 +191,7 @@ class SearchBounds:
     rounds: int = 6  # of proposals, choice and fit
     alike: int = 2  # like the present one, which are fitted where the best of the search is no better
     settling_rounds: int = 1  # of shape parameters, of a model that has settled nearby, during the search
-    settling_machine_rounds: int = 3  # the same with effects that change the machine
+    settling_machine_rounds: int = 6  # the same with effects that change the machine
     alone: int = 9  # effects on the shortlist for what they explain alone
     with_best: int = 7  # effects on the shortlist for what they explain with the best set
     # effects: up to this size all sets are compared; larger ones grow by one effect at a time
