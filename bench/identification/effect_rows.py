@@ -149,9 +149,9 @@ def made_of(signals: RobotSignals, instance: EffectInstance) -> list[tuple[Effec
     if nodes is None:
         return [(instance, 1.0)]
     ((name, value),) = instance.effect.about_values().items()
-    if instance.effect.changes_machine and abs(value) > TOLERANCES.shapes.machine_expansion * nodes[1]:
-        return [(instance, 1.0)]
     furthest = TOLERANCES.shapes.expansion * nodes[1]
+    if instance.effect.changes_machine and abs(value) > furthest:
+        return [(instance, 1.0)]
     share = (float(np.clip(value, -furthest, furthest)) - nodes[0]) / (nodes[1] - nodes[0])
     low, high = (replace(instance, effect=instance.effect.about({name: node})) for node in nodes)
     return [(low, 1.0 - share), (high, share)]

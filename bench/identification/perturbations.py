@@ -169,7 +169,7 @@ class Nearby:
         if shift[1:].any() or np.any(shift[0] != shift[0, 0]):
             return False
         nodes = NODES_IN_STEPS * np.array([self._step(0, motor) for motor in range(shift.shape[2])])
-        return bool(np.any(np.abs(shift[0, 0]) > TOLERANCES.shapes.machine_expansion * nodes))
+        return bool(np.any(np.abs(shift[0, 0]) > TOLERANCES.shapes.expansion * nodes))
 
     def moved(self, shift: tuple[float, ...], geometry: Geometry | None = None) -> SmallChange:
         """Change of the matrix by a constant shift (n,) of the active positions, and other lengths. Raises BenchError

@@ -86,9 +86,8 @@ class ShapeBounds:
     # of such a step that are tried, until one does not increase the errors
     shares: tuple[float, ...] = (1.0, 0.3, 0.1)
     difference: float = 1e-3  # for the derivative by a shape parameter
-    expansion: float = 5.0  # times its nodes: range in which a column of an effect is taken as linear
+    expansion: float = 5.0  # times its nodes: range in which a column is taken as linear
     distrusted: float = 1.5  # times the errors before a step: the present model is too far off
-    machine_expansion: float = 2.0  # the same of one that changes the machine; beyond, loops are closed again
 
 
 @dataclass(frozen=True)
