@@ -1,6 +1,6 @@
 """The signals of a recording and of the present model that effects may use."""
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache, partial
@@ -169,7 +169,7 @@ def robot_signals(model: IdentificationModel, measured: Measured, present: Prese
     mass = 0.0 if payload is None else float(present.declared[payload][0])
     in_joints = torques_in_joints(lambda: signals, present)
     log = measured.recording.log
-    offsets = _encoder_offsets(present, log)
+    offsets = encoder_offsets(present.effects, log)
     signals = RobotSignals(
         joints,
         model.geometry,
@@ -314,10 +314,10 @@ def _redundant_signals(
     return by_joint
 
 
-def _encoder_offsets(present: PresentModel, log: str) -> dict[str, float]:
-    """Offsets of the present model's encoders in a recording, by joint."""
+def encoder_offsets(effects: Iterable[tuple[EffectInstance, np.ndarray]], log: str) -> dict[str, float]:
+    """Offsets of the encoders in a recording, by joint, from effects with their parameters (p,)."""
     offsets: dict[str, float] = {}
-    for instance, values in present.effects:
+    for instance, values in effects:
         if offset := instance.share(log) * instance.effect.position_offset(values):
             offsets[instance.joint] = offsets.get(instance.joint, 0.0) + offset
     return offsets

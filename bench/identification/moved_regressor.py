@@ -4,13 +4,14 @@ Columns of such effects are changes of the present model's torque, and so change
 this do not converge where the parameters are hardly determined.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from bench.basics.interpolation import cubic_spline
 from bench.effects import EffectInstance
+from bench.identification.effect_columns import encoder_offsets
 from bench.identification.filtered import Measured
 from bench.identification.layout import known_rows, regressor_rows
 from bench.identification.observation import Observation
@@ -54,7 +55,8 @@ def _changed(prepared: Prepared, index: int) -> Observation | None:
     """A recording's equations with the change of its columns in place of these; None if nothing changes."""
     measured, observation = prepared.measured[index], prepared.observations[index]
     model = prepared.model
-    geometry, offsets = _machine(model.geometry, prepared.effects, measured.recording.log)
+    about, log = _about(prepared.effects), measured.recording.log
+    geometry, offsets = _machine(model.geometry, about, log), encoder_offsets(about, log)
     shift = np.array([offsets.get(joint, 0.0) for joint in model.geometry.robot.joints])
     if geometry is model.geometry and not shift.any():
         return None
@@ -83,20 +85,23 @@ def _changed(prepared: Prepared, index: int) -> Observation | None:
     )
 
 
-def _machine(
-    geometry: Geometry, effects: Sequence[EffectInstance], log: str
-) -> tuple[Geometry, Mapping[str, float]]:
-    """The geometry, and the encoder offsets by joint, in a recording with these effects."""
-    machine, offsets = geometry, dict[str, float]()
+def _machine(geometry: Geometry, effects: Sequence[tuple[EffectInstance, np.ndarray]], log: str) -> Geometry:
+    """The geometry in a recording with these effects at their values (p,)."""
+    for instance, values in effects:
+        if share := instance.share(log):
+            geometry = instance.effect.machine(geometry, instance.joint, share * values)
+    return geometry
+
+
+def _about(effects: Sequence[EffectInstance]) -> list[tuple[EffectInstance, np.ndarray]]:
+    """Effects with the values (p,) about which they are linearised, without those that are about nothing."""
+    listed = []
     for instance in effects:
-        share, about = instance.share(log), instance.effect.about_values()
-        if not share or not any(about.values()):
-            continue
-        values = share * np.array([about[parameter.name] for parameter in instance.effect.parameters])
-        if offset := instance.effect.position_offset(values):
-            offsets[instance.joint] = offsets.get(instance.joint, 0.0) + offset
-        machine = instance.effect.machine(machine, instance.joint, values)
-    return machine, offsets
+        about = instance.effect.about_values()
+        if any(about.values()):
+            names = [parameter.name for parameter in instance.effect.parameters]
+            listed.append((instance, np.array([about[name] for name in names])))
+    return listed
 
 
 def _at_samples(

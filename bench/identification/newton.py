@@ -71,10 +71,15 @@ def stepped(
             after = solved_about(moved, trusted=trusted)
         except BenchError:  # out of reach, or singular
             continue
-        ratio = np.divide(spread(*after), before, out=np.ones_like(before), where=before > 0.0)
-        if (ratio**2).mean() <= 1.0 + TOLERANCES.steps.rounding:
+        if squares_ratio(spread(*after), before) <= 1.0 + TOLERANCES.steps.rounding:
             return moved, *after
     return None
+
+
+def squares_ratio(errors: np.ndarray, before: np.ndarray) -> float:
+    """Mean over the motors of their squared errors over those before, from RMS errors (n,) each."""
+    ratio = np.divide(errors, before, out=np.ones_like(errors), where=before > 0.0)
+    return float((ratio**2).mean())
 
 
 def solved_about(prepared: Prepared, *, trusted: bool) -> tuple[Stack, Solution]:

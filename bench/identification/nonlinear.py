@@ -14,7 +14,7 @@ from bench.identification.compressed import Stack
 from bench.identification.decision import RULE
 from bench.identification.effect_columns import PresentModel
 from bench.identification.moved_regressor import regressor_change
-from bench.identification.newton import solved_about, stepped
+from bench.identification.newton import solved_about, squares_ratio, stepped
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared, with_effects, with_judged
 from bench.identification.shapes import best_shape
@@ -133,7 +133,7 @@ def _rounds(
     instances = _closed(prepared, instances)
     last, settled = instances, False
     trusted, doubted, last_errors = True, False, None
-    bounds = TOLERANCES.steps
+    furthest, bounds = TOLERANCES.shapes.distrusted**2, TOLERANCES.steps
     limit = bounds.machine_rounds if changes_machine(instances) else bounds.rounds
     for _ in range(limit if most is None else most):
         deadline.check()
@@ -141,7 +141,7 @@ def _rounds(
         solved = None if before is None else solved_about(prepared, trusted=trusted)
         if solved and changes_machine(instances):
             errors = spread(*solved)
-            if last_errors is not None and not doubted and _worse(errors, last_errors):
+            if last_errors is not None and not doubted and squares_ratio(errors, last_errors) > furthest:
                 trusted, doubted = False, True
                 solved = solved_about(prepared, trusted=trusted)
             last_errors = errors
@@ -177,12 +177,6 @@ def _rounds(
     if not settled and most is None:
         return replace(with_effects(prepared, instances, present), converged=True)
     return replace(with_judged(prepared), converged=True, provisional=not settled)
-
-
-def _worse(errors: np.ndarray, before: np.ndarray) -> bool:
-    """Whether motors' errors (n,) are clearly larger than before."""
-    ratio = np.divide(errors, before, out=np.ones_like(errors), where=before > 0.0)
-    return bool((ratio**2).mean() > TOLERANCES.shapes.distrusted**2)
 
 
 def _closed(prepared: Prepared, instances: tuple[EffectInstance, ...]) -> tuple[EffectInstance, ...]:
