@@ -68,7 +68,7 @@ class Measured:
     logged; tree: the motion of all joints of the opened tree; gaps: where joints are at rest. logged: how logged
     velocities compare with the positions. Caches. kept: rows of effects that need no model; perturbed: observation
     matrices of other motions and gravities, which recur; reshaped: of other geometries, of which a search tries many;
-    reactions: of joint forces; held: the motion of these, by sample spacing; few: motion and regressor at few samples,
+    reactions: of joint forces; held: the motion of these, by sample spacing; few: motion and regressor at coarse ones,
     as measured and of the last changed machine, by its key.
     """
 

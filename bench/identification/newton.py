@@ -43,7 +43,8 @@ def stepped(
     moves = about.any() or any(instance.effect.changes_machine for instance in prepared.effects)
     if not shapes and not moves:
         return None
-    kept = identifiable(prepared, stack)
+    # a changed machine's factors have other rows than the columns that all models share
+    kept = identifiable(prepared, stacked(prepared) if len(_columns_of_machine(prepared.effects)) else stack)
     linear = prepared.layout.effect_slice.start
     whole = np.concatenate((np.zeros((*bent.shape[:2], linear)), bent), axis=2)
     system = _linearised(stack, whole, np.append(np.zeros(linear), about), columns)
@@ -94,6 +95,7 @@ def solved_about(prepared: Prepared, *, trusted: bool) -> tuple[Stack, Solution]
     if not len(held):
         return solved_quickly(prepared)
     stack, values = stacked(prepared), _values_about(prepared.effects)[held]
+    identified = identifiable(prepared, stack)
     changes = regressor_change(prepared)
     at = prepared.layout.effect_slice.start + held
     if changes is not None:
@@ -103,7 +105,7 @@ def solved_about(prepared: Prepared, *, trusted: bool) -> tuple[Stack, Solution]
         stack = replace(stack, phi=phi, kappa=kappa, factors=compress(phi, kappa, stack.current))
     kappa = stack.kappa + stack.phi[:, :, at] @ values
     system = replace(stack, kappa=kappa, factors=compress(stack.phi, kappa, stack.current))
-    kept, gains = np.setdiff1d(identifiable(prepared, stack), at), prepared.gains
+    kept, gains = np.setdiff1d(identified, at), prepared.gains
     near = prepared.present.gains
     if not trusted:
         near = np.where(beyond(near[:, None] / gains.values[:, None], RULE.gain_far), gains.values, near)
