@@ -1,7 +1,7 @@
 """The fitted recordings as one over-determined system, compressed by QR without loss."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -71,6 +71,14 @@ def compress(phi: np.ndarray, kappa: np.ndarray, current: np.ndarray) -> np.ndar
             part = np.concatenate((factors.swapaxes(0, 1), part))
         factors = triangular_factors(part)
     return factors
+
+
+def with_known(stack: Stack, columns: np.ndarray, values: np.ndarray) -> Stack:
+    """The stack with the torque of some columns (k,) at values (k,) added to the known torque."""
+    kappa = stack.kappa + stack.phi[:, :, columns] @ values
+    factors = stack.factors.copy()
+    factors[:, :, -2] += factors[:, :, columns] @ values
+    return replace(stack, kappa=kappa, factors=factors)
 
 
 def triangular_factors(columns: np.ndarray) -> np.ndarray:

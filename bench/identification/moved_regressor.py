@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.basics.errors import BenchError
 from bench.basics.interpolation import cubic_spline
 from bench.effects import EffectInstance
 from bench.identification.effect_columns import encoder_offsets
@@ -49,6 +50,42 @@ def regressor_change(prepared: Prepared) -> tuple[np.ndarray, np.ndarray] | None
             )
             known.append(np.zeros(shape) if change is None else known_rows(change, payloads))
     return np.concatenate(columns), np.concatenate(known)
+
+
+def machine_derivatives(
+    prepared: Prepared, theta: np.ndarray, parameters: Sequence[tuple[int, int]]
+) -> np.ndarray:
+    """Derivatives (M, n, k) of the fitted torque by parameters of effects that change the machine, at the machine with
+    all of them.
+
+    theta (p,): the layout's unknowns. parameters: indices of an effect and of its parameter. Raises BenchError if the
+    loops cannot be closed with the effects.
+    """
+    rows = sum(len(each.current) for each in prepared.fitted), prepared.fitted[0].current.shape[1]
+    nothing = np.zeros(rows)
+    derivatives = np.zeros((*rows, len(parameters)))
+
+    def torque(instances: Sequence[EffectInstance]) -> np.ndarray:
+        changes = regressor_change(replace(prepared, effects=tuple(instances)))
+        return nothing if changes is None else changes[0] @ theta + changes[1]
+
+    here = torque(prepared.effects)
+    for column, (i, k) in enumerate(parameters):
+        instances = list(prepared.effects)
+        instance = instances[i]
+        known = instance.effect.about_values()
+        name = instance.effect.parameters[k].name
+        step = TOLERANCES.shapes.difference * (
+            abs(known[name]) or instance.effect.furthest(prepared.model.geometry, instance.joint)
+        )
+        for there in (step, -step):
+            instances[i] = replace(instance, effect=instance.effect.about(known | {name: known[name] + there}))
+            try:
+                derivatives[:, :, column] = (torque(instances) - here) / there
+            except BenchError:
+                continue
+            break
+    return derivatives
 
 
 def _changed(prepared: Prepared, index: int) -> Observation | None:

@@ -8,12 +8,12 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.effects import Bracket, EffectInstance
 from bench.effects.select import parameter_slices
-from bench.identification.compressed import Stack, compress
+from bench.identification.compressed import Stack, compress, with_known
 from bench.identification.decision import RULE
 from bench.identification.gauss_newton import beyond
 from bench.identification.identifiability_of_effects import with_zeros
 from bench.identification.joint_samples import joint_samples
-from bench.identification.moved_regressor import regressor_change
+from bench.identification.moved_regressor import machine_derivatives, regressor_change
 from bench.identification.partial_regression import torque_errors
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.solution import NominalGains, Solution
@@ -39,7 +39,7 @@ def stepped(
     or even a small share of the step increases the errors.
     """
     shapes, columns = _shape_derivatives(prepared, solution.theta, stack.current.shape)
-    bent, about = _bends(prepared, stack.current.shape, every=False)
+    bent, about = _bends(prepared, stack.phi, solution.theta, every=False)
     moves = about.any() or any(instance.effect.changes_machine for instance in prepared.effects)
     if not shapes and not moves:
         return None
@@ -51,24 +51,36 @@ def stepped(
     added = np.arange(len(shapes)) + prepared.layout.size
     lacks = torque_errors(stack, solution)
     reaches = [_reach(prepared, lacks, i, name) for i, name in shapes]
-    free = added
+    held = linear + _columns_of_machine(prepared.effects)
+    furthest = _furthest(prepared)
+    free, ends = np.append(kept, added), {k: about[k - linear] for k in np.setdiff1d(held, kept).tolist()}
     while True:  # the others stay at the end of their range
-        theta = solved_with(system, np.append(kept, free), prepared.gains, solution.gains).theta
-        inside = [
-            not _leaves(prepared, *shape, *reach, step)
-            for shape, reach, step in zip(shapes, reaches, theta[added], strict=True)
+        at = np.array(list(ends), dtype=int)
+        within = with_known(system, at, np.array(list(ends.values())))
+        there = solved_with(within, free, prepared.gains, solution.gains)
+        theta = there.theta.copy()
+        theta[at] = list(ends.values())
+        leave = [
+            int(column)
+            for column, shape, reach in zip(added, shapes, reaches, strict=True)
+            if column in free and _leaves(prepared, *shape, *reach, theta[column])
         ]
-        if np.all(inside):
+        far = [int(k) for k, most in zip(held, furthest, strict=True) if k in free and abs(theta[k]) > most]
+        if not leave and not far:
             break
-        free = np.intersect1d(free, added[inside])
-    if not len(free) and not moves:
+        ends |= {k: float(np.sign(theta[k])) * furthest[held == k][0] for k in far}
+        free = np.setdiff1d(free, [*leave, *far])
+    if not np.isin(added, free).any() and not moves:
         return prepared, stack, solution
     values = theta[linear : prepared.layout.size]
     before = spread(stack, solution)
+    if squares_ratio(spread(within, there), before) > 1.0 - TOLERANCES.steps.errors_settled:
+        return None
     for share in TOLERANCES.shapes.shares:
         instances = _moved(prepared, shapes, share * theta[added], reaches, about + share * (values - about))
-        moved = with_effects(prepared, instances, fitted_only=True)
         try:
+            regressor_change(replace(prepared, effects=tuple(instances)))  # before all columns, which take longer
+            moved = with_effects(prepared, instances, fitted_only=True)
             after = solved_about(moved, trusted=trusted)
         except BenchError:  # out of reach, or singular
             continue
@@ -100,11 +112,10 @@ def solved_about(prepared: Prepared, *, trusted: bool) -> tuple[Stack, Solution]
     at = prepared.layout.effect_slice.start + held
     if changes is not None:
         moving, (change, known) = stack.moving, changes
-        more = -(change @ known_values(prepared)) if trusted else known - stack.phi[:, :, at] @ values
+        more = known - stack.phi[:, :, at] @ values
         phi, kappa = stack.phi + change * moving[:, :, None], stack.kappa + more * moving
         stack = replace(stack, phi=phi, kappa=kappa, factors=compress(phi, kappa, stack.current))
-    kappa = stack.kappa + stack.phi[:, :, at] @ values
-    system = replace(stack, kappa=kappa, factors=compress(stack.phi, kappa, stack.current))
+    system = with_known(stack, at, values)
     kept, gains = np.setdiff1d(identified, at), prepared.gains
     near = prepared.present.gains
     if not trusted:
@@ -126,6 +137,18 @@ def _columns_of_machine(effects: Sequence[EffectInstance]) -> np.ndarray:
             for k in range(part.start, part.stop)
         ],
         dtype=int,
+    )
+
+
+def _furthest(prepared: Prepared) -> np.ndarray:
+    """Range (k,) of every parameter of the effects that change the machine, on either side of zero."""
+    return np.array(
+        [
+            instance.effect.furthest(prepared.model.geometry, instance.joint)
+            for instance in prepared.effects
+            if instance.effect.changes_machine
+            for _ in instance.effect.parameters
+        ]
     )
 
 
@@ -209,7 +232,9 @@ def with_shape_columns(
     size, effects = prepared.layout.size, prepared.layout.effects
     theta = with_zeros(solution.theta, kept, size)
     shapes, columns = _shape_derivatives(prepared, theta, stack.current.shape)
-    bent, about = _bends(prepared, stack.current.shape, every=True)
+    phi = np.zeros((*stack.current.shape, size))
+    phi[:, :, kept] = stack.phi
+    bent, about = _bends(prepared, phi, theta, every=True)
     if not shapes and not about.any():
         return stack, solution
     whole = np.concatenate((np.zeros((*bent.shape[:2], size - effects)), bent), axis=2)
@@ -225,24 +250,28 @@ def _linearised(stack: Stack, bent: np.ndarray, about: np.ndarray, columns: np.n
     """
     moving = stack.moving[:, :, None]
     phi, kappa = stack.phi, stack.kappa
-    if about.any():
+    if bent.any():
         phi, kappa = phi + bent * moving, kappa - (bent * moving) @ about
     phi = np.concatenate((phi, columns * moving), axis=2)
     return replace(stack, phi=phi, kappa=kappa, factors=compress(phi, kappa, stack.current))
 
 
-def _bends(prepared: Prepared, rows: tuple[int, ...], *, every: bool) -> tuple[np.ndarray, np.ndarray]:
+def _bends(prepared: Prepared, phi: np.ndarray, theta: np.ndarray, *, every: bool) -> tuple[np.ndarray, np.ndarray]:
     """How the effects' torque depends on the values about which columns are linearised.
 
     (M, n, E): the columns' derivatives by these values, times the values (E,), which come second; zero for linear
     effects, or those linearised about nothing. every: include effects that hardly bend.
     """
+    rows = phi.shape[:2]
     about, bent = [np.zeros(0)], [np.zeros((*rows, 0))]
     for instance in prepared.effects:
         known = instance.effect.about_values() if every or instance.effect.bends else {}
         values = np.array([known.get(parameter.name, 0.0) for parameter in instance.effect.parameters])
         about.append(values)
         derivatives = np.zeros((*rows, len(values)))
+        if instance.effect.changes_machine:
+            bent.append(derivatives)
+            continue
         unchanged = candidate_columns(prepared, [instance]) if values.any() else derivatives
         for k, parameter in enumerate(instance.effect.parameters):
             if values[k]:
@@ -252,7 +281,19 @@ def _bends(prepared: Prepared, rows: tuple[int, ...], *, every: bool) -> tuple[n
                     (candidate_columns(prepared, [there]) - unchanged) @ values / (value - values[k])
                 )
         bent.append(derivatives)
-    return np.concatenate(bent, axis=2), np.concatenate(about)
+    bends= np.concatenate(bent, axis=2)
+    if len(held := _columns_of_machine(prepared.effects)):
+        at = prepared.layout.effect_slice.start + held
+        parameters = [
+            (i, k)
+            for i, instance in enumerate(prepared.effects)
+            if instance.effect.changes_machine
+            for k in range(len(instance.effect.parameters))
+        ]
+        derivatives = machine_derivatives(prepared, theta, parameters)
+        moving = np.concatenate([each.moving for each in prepared.fitted])
+        bends[:, :, held] = derivatives * moving[:, :, None] - phi[:, :, at]
+    return bends, np.concatenate(about)
 
 
 def _shape_derivatives(

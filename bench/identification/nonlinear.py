@@ -98,7 +98,7 @@ def converged_from(
 
 def _begun(model: Prepared) -> tuple[tuple[EffectInstance, ...], PresentModel, tuple[np.ndarray, ...]]:
     """A model's effects about its solution, the model that they see, and its state."""
-    stack, solution = solved_quickly(model)
+    stack, solution = solved_about(model, trusted=True) if model.converged else solved_quickly(model)
     instances = _but_bent(model.effects, _about(model, solution))
     return instances, present_model(model, solution), _state(model, stack, solution)
 

@@ -67,7 +67,7 @@ def _searched(
     brackets = instance.effect.brackets(parameter, samples)
     if not parameter.discrete and any(low < high for low, _, high in brackets):
         present = instance.effect.shape_values()[parameter.name]
-        low, high = within_reach(present, brackets)
+        low, high = within_reach(present, instance.effect.brackets_near(parameter, samples))
         nearby = TOLERANCES.shapes.nearby
         near = (max(present * (1.0 - nearby), low), present, min(present * (1.0 + nearby), high))
         brackets = (*brackets, near)

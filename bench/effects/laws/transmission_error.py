@@ -1,13 +1,13 @@
 """A position error that repeats with the turn."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bench.effects.effect import Bracket, Effect, EffectParameter, JointSamples, ShapeParameter
 from bench.effects.motor_link_difference import slopes
-from bench.effects.periods import next_to, phase, strongest_periods, wave
+from bench.effects.periods import PERIODS, next_to, phase, strongest_periods, wave
 from bench.effects.signals import WIDER, RobotSignals
 
 ORDER = 8  # of the roll-off of waves above the fit's band
@@ -38,7 +38,7 @@ class TransmissionError(Effect):
     seen = ("repeats",)
     in_key = ("grows with the speed",)
     parameters = (EffectParameter("a", "{angle}"), EffectParameter("b", "{angle}"))
-    shape = (ShapeParameter("periods", "1/{turn}", (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)),)
+    shape = (replace(PERIODS, candidates=(1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)),)
     depends_on_model = True
 
     a: float = 0.0
