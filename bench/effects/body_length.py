@@ -38,23 +38,30 @@ class BodyLength:
 
 def lengths(geometry: Geometry) -> dict[str, BodyLength]:
     """The bodies that have a length, by name, the world included."""
-    by_name = {}
-    for index, name in ((-1, WORLD), *geometry.bodies):
-        points = _fixed_points(geometry, index)
-        if not points:
-            continue
-        center = np.mean(points, axis=0) if index < 0 else np.zeros(3)
-        distance = np.linalg.norm(np.array(points) - center, axis=1)
-        length = float(distance.max())
-        if length < NEGLIGIBLE:
-            continue
-        mean = np.mean(
-            [point for point, far in zip(points, distance, strict=True) if far > NEGLIGIBLE], axis=0
-        )
-        one_sided = index >= 0 and np.linalg.norm(mean) > ONE_SIDED * length
-        direction = mean / np.linalg.norm(mean) if one_sided else None
-        by_name[name] = BodyLength(index, length, center, direction)
-    return by_name
+    every = {name: _length(geometry, index) for index, name in ((-1, WORLD), *geometry.bodies)}
+    return {name: length for name, length in every.items() if length is not None}
+
+
+def length_of(geometry: Geometry, body: str) -> BodyLength:
+    """The length of a body that has one."""
+    index = -1 if body == WORLD else next(index for index, name in geometry.bodies if name == body)
+    length = _length(geometry, index)
+    assert length is not None
+    return length
+
+
+def _length(geometry: Geometry, index: int) -> BodyLength | None:
+    points = _fixed_points(geometry, index)
+    if not points:
+        return None
+    center = np.mean(points, axis=0) if index < 0 else np.zeros(3)
+    distance = np.linalg.norm(np.array(points) - center, axis=1)
+    length = float(distance.max())
+    if length < NEGLIGIBLE:
+        return None
+    mean = np.mean([point for point, far in zip(points, distance, strict=True) if far > NEGLIGIBLE], axis=0)
+    one_sided = index >= 0 and np.linalg.norm(mean) > ONE_SIDED * length
+    return BodyLength(index, length, center, mean / np.linalg.norm(mean) if one_sided else None)
 
 
 def with_length(geometry: Geometry, body: BodyLength, change: float) -> Geometry:

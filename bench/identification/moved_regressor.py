@@ -79,7 +79,9 @@ def machine_derivatives(
             abs(known[name]) or instance.effect.furthest(prepared.model.geometry, instance.joint)
         )
         for there in (step, -step):
-            instances[i] = replace(instance, effect=instance.effect.about(known | {name: known[name] + there}))
+            instances[i] = replace(
+                instance, effect=instance.effect.about(known | {name: known[name] + there})
+            )
             try:
                 derivatives[:, :, column] = (torque(instances) - here) / there
             except BenchError:

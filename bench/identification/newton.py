@@ -1,6 +1,6 @@
 """All nonlinear parameters of a model together: derivatives, Gauss-Newton steps, deviations."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -51,35 +51,19 @@ def stepped(
     added = np.arange(len(shapes)) + prepared.layout.size
     lacks = torque_errors(stack, solution)
     reaches = [_reach(prepared, lacks, i, name) for i, name in shapes]
-    held = linear + _columns_of_machine(prepared.effects)
-    furthest = _furthest(prepared)
-    free, ends = np.append(kept, added), {k: about[k - linear] for k in np.setdiff1d(held, kept).tolist()}
-    while True:  # the others stay at the end of their range
-        at = np.array(list(ends), dtype=int)
-        within = with_known(system, at, np.array(list(ends.values())))
-        there = solved_with(within, free, prepared.gains, solution.gains)
-        theta = there.theta.copy()
-        theta[at] = list(ends.values())
-        leave = [
-            int(column)
-            for column, shape, reach in zip(added, shapes, reaches, strict=True)
-            if column in free and _leaves(prepared, *shape, *reach, theta[column])
-        ]
-        far = [int(k) for k, most in zip(held, furthest, strict=True) if k in free and abs(theta[k]) > most]
-        if not leave and not far:
-            break
-        ends |= {k: float(np.sign(theta[k])) * furthest[held == k][0] for k in far}
-        free = np.setdiff1d(free, [*leave, *far])
-    if not np.isin(added, free).any() and not moves:
+    ranges = _ranges(prepared, shapes, reaches)
+    fixed = {k: about[k - linear] for k in np.setdiff1d(linear + _columns_of_machine(prepared.effects), kept)}
+    theta, promised = _within(system, np.append(kept, added), fixed, ranges, prepared.gains, solution.gains)
+    if not theta[added].any() and not moves:
         return prepared, stack, solution
     values = theta[linear : prepared.layout.size]
     before = spread(stack, solution)
-    if squares_ratio(spread(within, there), before) > 1.0 - TOLERANCES.steps.errors_settled:
+    if squares_ratio(promised, before) > 1.0 - TOLERANCES.steps.errors_settled:
         return None
     for share in TOLERANCES.shapes.shares:
         instances = _moved(prepared, shapes, share * theta[added], reaches, about + share * (values - about))
         try:
-            regressor_change(replace(prepared, effects=tuple(instances)))  # before all columns, which take longer
+            regressor_change(replace(prepared, effects=tuple(instances)))  # fails sooner than all columns
             moved = with_effects(prepared, instances, fitted_only=True)
             after = solved_about(moved, trusted=trusted)
         except BenchError:  # out of reach, or singular
@@ -87,6 +71,37 @@ def stepped(
         if squares_ratio(spread(*after), before) <= 1.0 + TOLERANCES.steps.rounding:
             return moved, *after
     return None
+
+
+def _within(
+    system: Stack,
+    free: np.ndarray,
+    fixed: Mapping[int, float],
+    ranges: Mapping[int, tuple[float, float]],
+    gains: NominalGains,
+    near: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The unknowns (p,) of a linearised system within their ranges (column -> least and largest value), and the motors'
+    RMS errors (n,) there, drive units: one that would leave its range stays at the end of it.
+
+    free (k,): columns that are solved; fixed: columns with a given value. All others are zero.
+    """
+    ends = dict(fixed)
+    while True:
+        at, values = np.array(list(ends), dtype=int), np.array(list(ends.values()))
+        within = with_known(system, at, values)
+        solution = solved_with(within, free, gains, near)
+        outside = {
+            k: (low if solution.theta[k] < low else high)
+            for k, (low, high) in ranges.items()
+            if k in free and not low <= solution.theta[k] <= high
+        }
+        if not outside:
+            theta = solution.theta.copy()
+            theta[at] = values
+            return theta, spread(within, solution)
+        ends |= outside
+        free = np.setdiff1d(free, list(outside))
 
 
 def squares_ratio(errors: np.ndarray, before: np.ndarray) -> float:
@@ -140,18 +155,6 @@ def _columns_of_machine(effects: Sequence[EffectInstance]) -> np.ndarray:
     )
 
 
-def _furthest(prepared: Prepared) -> np.ndarray:
-    """Range (k,) of every parameter of the effects that change the machine, on either side of zero."""
-    return np.array(
-        [
-            instance.effect.furthest(prepared.model.geometry, instance.joint)
-            for instance in prepared.effects
-            if instance.effect.changes_machine
-            for _ in instance.effect.parameters
-        ]
-    )
-
-
 def _values_about(effects: Sequence[EffectInstance]) -> np.ndarray:
     """The values (E,) about which the parameters of effects are linearised, zero for linear ones."""
     known = [(instance.effect.parameters, instance.effect.about_values()) for instance in effects]
@@ -191,10 +194,25 @@ def _moved(
     return instances
 
 
-def _leaves(prepared: Prepared, i: int, name: str, low: float, high: float, step: float) -> bool:
-    """Whether a step would take a shape parameter out of its range from one end."""
-    value = prepared.effects[i].effect.shape_values()[name]
-    return (step < 0.0 and value <= low) or (step > 0.0 and value >= high)
+def _ranges(
+    prepared: Prepared, shapes: Sequence[tuple[int, str]], reaches: Sequence[tuple[float, float]]
+) -> dict[int, tuple[float, float]]:
+    """Ranges of the step of each shape parameter that is at an end of its reach, which come last, and of the values of
+    effects that change the machine, by column.
+    """
+    ranges: dict[int, tuple[float, float]] = {}
+    for instance, part in parameter_slices(prepared.effects):
+        if instance.effect.changes_machine:
+            most = instance.effect.furthest(prepared.model.geometry, instance.joint)
+            first = prepared.layout.effect_slice.start
+            ranges |= {first + k: (-most, most) for k in range(part.start, part.stop)}
+    for k, ((i, name), (low, high)) in enumerate(zip(shapes, reaches, strict=True)):
+        value = prepared.effects[i].effect.shape_values()[name]
+        ranges[prepared.layout.size + k] = (
+            0.0 if value <= low else -np.inf,
+            0.0 if value >= high else np.inf,
+        )
+    return ranges
 
 
 def _reach(prepared: Prepared, lacks: np.ndarray, i: int, name: str) -> tuple[float, float]:
@@ -256,7 +274,9 @@ def _linearised(stack: Stack, bent: np.ndarray, about: np.ndarray, columns: np.n
     return replace(stack, phi=phi, kappa=kappa, factors=compress(phi, kappa, stack.current))
 
 
-def _bends(prepared: Prepared, phi: np.ndarray, theta: np.ndarray, *, every: bool) -> tuple[np.ndarray, np.ndarray]:
+def _bends(
+    prepared: Prepared, phi: np.ndarray, theta: np.ndarray, *, every: bool
+) -> tuple[np.ndarray, np.ndarray]:
     """How the effects' torque depends on the values about which columns are linearised.
 
     (M, n, E): the columns' derivatives by these values, times the values (E,), which come second; zero for linear
@@ -281,7 +301,7 @@ def _bends(prepared: Prepared, phi: np.ndarray, theta: np.ndarray, *, every: boo
                     (candidate_columns(prepared, [there]) - unchanged) @ values / (value - values[k])
                 )
         bent.append(derivatives)
-    bends= np.concatenate(bent, axis=2)
+    bends = np.concatenate(bent, axis=2)
     if len(held := _columns_of_machine(prepared.effects)):
         at = prepared.layout.effect_slice.start + held
         parameters = [

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.effects.body_length import lengths, with_length
+from bench.effects.body_length import length_of, with_length
 from bench.effects.effect import Effect, EffectParameter
 from bench.effects.secant import secant
 from bench.effects.signals import RobotSignals
@@ -42,17 +42,17 @@ class GeometricError(Effect):
     dl: float = 0.0
 
     def furthest(self, geometry: Geometry, joint: str) -> float:
-        return LARGEST * lengths(geometry)[joint].length
+        return LARGEST * length_of(geometry, joint).length
 
     def nodes(self, robot: RobotSignals, joint: str) -> tuple[float, float] | None:
-        size = NEAR * lengths(robot.geometry)[joint].length
+        size = NEAR * length_of(robot.geometry, joint).length
         return -size, size
 
     def machine(self, geometry: Geometry, joint: str, values: np.ndarray) -> Geometry:
-        return with_length(geometry, lengths(geometry)[joint], float(values[0]))
+        return with_length(geometry, length_of(geometry, joint), float(values[0]))
 
     def columns(self, robot: RobotSignals, joint: str) -> np.ndarray:
-        body = lengths(robot.geometry)[joint]
+        body = length_of(robot.geometry, joint)
 
         def change(error: float) -> np.ndarray:
             return robot.torque_change(geometry=with_length(robot.geometry, body, error))
