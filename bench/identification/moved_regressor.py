@@ -14,7 +14,7 @@ from bench.basics.interpolation import cubic_spline
 from bench.effects import EffectInstance
 from bench.identification.effect_columns import encoder_offsets
 from bench.identification.filtered import Measured
-from bench.identification.layout import known_rows, regressor_rows
+from bench.identification.layout import known_rows, payload_columns, regressor_rows
 from bench.identification.observation import Observation
 from bench.identification.observation_matrix import machine_rows
 from bench.identification.perturbed_observation import geometry_key
@@ -58,63 +58,72 @@ def machine_derivatives(
     """Derivatives (M, n, k) of the fitted torque by parameters of effects that change the machine, at the machine with
     all of them.
 
-    theta (p,): the layout's unknowns. parameters: indices of an effect and of its parameter. Raises BenchError if the
-    loops cannot be closed with the effects.
+    theta (p,): the layout's unknowns. parameters: indices of an effect and of its parameter. Zero where the loops
+    cannot be closed with a small step; raises BenchError if they cannot be closed with the effects.
     """
-    rows = sum(len(each.current) for each in prepared.fitted), prepared.fitted[0].current.shape[1]
-    nothing = np.zeros(rows)
-    derivatives = np.zeros((*rows, len(parameters)))
+    fitted = [
+        index for index, observation in enumerate(prepared.observations) if observation.use == "identify"
+    ]
 
-    def torque(instances: Sequence[EffectInstance]) -> np.ndarray:
-        changes = regressor_change(replace(prepared, effects=tuple(instances)))
-        return nothing if changes is None else changes[0] @ theta + changes[1]
+    def torques(instances: Sequence[EffectInstance]) -> list[np.ndarray]:
+        changed = replace(prepared, effects=tuple(instances))
+        return [_changed_torque(changed, index, theta) for index in fitted]
 
-    here = torque(prepared.effects)
-    for column, (i, k) in enumerate(parameters):
+    every, here = [], torques(prepared.effects)
+    for i, k in parameters:
         instances = list(prepared.effects)
-        instance = instances[i]
-        known = instance.effect.about_values()
-        name = instance.effect.parameters[k].name
-        step = TOLERANCES.shapes.difference * (
-            abs(known[name]) or instance.effect.furthest(prepared.model.geometry, instance.joint)
-        )
-        for there in (step, -step):
-            instances[i] = replace(
-                instance, effect=instance.effect.about(known | {name: known[name] + there})
-            )
+        effect, joint = instances[i].effect, instances[i].joint
+        known, name = effect.about_values(), effect.parameters[k].name
+        size = abs(known[name]) or effect.furthest(prepared.model.geometry, joint)
+        derivatives = [np.zeros_like(torque) for torque in here]
+        for step in (TOLERANCES.shapes.difference * size, -TOLERANCES.shapes.difference * size):
+            instances[i] = replace(instances[i], effect=effect.about(known | {name: known[name] + step}))
             try:
-                derivatives[:, :, column] = (torque(instances) - here) / there
-            except BenchError:
+                moved = torques(instances)
+            except BenchError:  # at the edge of reach
                 continue
+            derivatives = [(after - before) / step for after, before in zip(moved, here, strict=True)]
             break
-    return derivatives
+        every.append(
+            np.concatenate([_at_rows(prepared, i, rows) for i, rows in zip(fitted, derivatives, strict=True)])
+        )
+    return np.stack(every, axis=2)
+
+
+def check_closed(prepared: Prepared) -> None:
+    """Raise BenchError if the loops cannot be closed with the effects at the values about which they are linearised."""
+    for index, observation in enumerate(prepared.observations):
+        if observation.use == "identify":
+            _change(prepared, index)
+
+
+def _changed_torque(prepared: Prepared, index: int, theta: np.ndarray) -> np.ndarray:
+    """Change of a recording's torque (K, n) at the samples of `_change`; redundant motors at theirs."""
+    measured, observation = prepared.measured[index], prepared.observations[index]
+    layout, change = prepared.layout, _change(prepared, index)
+    some = _samples(prepared, index)
+    if change is None:
+        return np.zeros((len(some), observation.current.shape[1]))
+    load, name = np.zeros(10), observation.payload_name
+    if name is not None:
+        load = payload_columns(prepared.dataset.payloads[name]).known.copy()
+        load[layout.payloads[name]] += theta[layout.payload_slice(name)]
+    torque = change[:, :, : layout.base + 10] @ np.append(theta[: layout.base], load)
+    if layout.redundant:
+        gains = observation.nominal + theta[layout.redundant_slice]
+        torque += np.einsum("knr,kr->kn", change[:, :, layout.base + 10 :], measured.redundant[some] * gains)
+    return np.asarray(torque)
 
 
 def _changed(prepared: Prepared, index: int) -> Observation | None:
     """A recording's equations with the change of its columns in place of these; None if nothing changes."""
     measured, observation = prepared.measured[index], prepared.observations[index]
-    model = prepared.model
-    about, log = _about(prepared.effects), measured.recording.log
-    geometry, offsets = _machine(model.geometry, about, log), encoder_offsets(about, log)
-    shift = np.array([offsets.get(joint, 0.0) for joint in model.geometry.robot.joints])
-    if geometry is model.geometry and not shift.any():
+    change = _change(prepared, index)
+    if change is None:
         return None
-    every, decimation = prepared.signals[index].every, prepared.settings.decimation
-    coarse = np.arange(0, len(measured.time), every)
-    if prepared.nearby is None:
-        change = _at_samples(model, measured, coarse, geometry, shift)
-    else:
-        knots = measured.time[prepared.nearby.few[index]]
-        near = prepared.nearby.machine_change(index, geometry, -shift)
-        change = cubic_spline(knots, near)(measured.time[coarse])
-    shape = change.shape[1:]
-    if len(coarse) < TOLERANCES.motion.sparse_samples:
-        at_rows = cubic_spline(measured.time[coarse], change)(observation.time)
-    else:
-        flat = decimate_sparse(change.reshape(len(change), -1), every, len(measured.time), decimation)
-        at_rows = flat.reshape(-1, *shape)
-    nb, end = len(model.base.columns), len(model.base.columns) + 10
-    redundant = measured.redundant[decimated_indices(len(measured.time), decimation)]
+    at_rows = _at_rows(prepared, index, change)
+    nb, end = prepared.layout.base, prepared.layout.base + 10
+    redundant = measured.redundant[decimated_indices(len(measured.time), prepared.settings.decimation)]
     return replace(
         observation,
         rigid=at_rows[:, :, :nb],
@@ -122,6 +131,42 @@ def _changed(prepared: Prepared, index: int) -> Observation | None:
         redundant=at_rows[:, :, end:] * redundant[:, None, :],
         effects=np.zeros((*observation.current.shape, prepared.layout.effects)),
     )
+
+
+def _change(prepared: Prepared, index: int) -> np.ndarray | None:
+    """Change (K, n, nb + 10 + r) of a recording's regressor at few samples; None if nothing changes.
+
+    Raises BenchError if the loops cannot be closed.
+    """
+    measured, model = prepared.measured[index], prepared.model
+    about, log = _about(prepared.effects), measured.recording.log
+    geometry, offsets = _machine(model.geometry, about, log), encoder_offsets(about, log)
+    shift = np.array([offsets.get(joint, 0.0) for joint in model.geometry.robot.joints])
+    if geometry is model.geometry and not shift.any():
+        return None
+    if prepared.nearby is None:
+        return _at_samples(model, measured, _samples(prepared, index), geometry, shift)
+    return prepared.nearby.machine_change(index, geometry, -shift)
+
+
+def _samples(prepared: Prepared, index: int) -> np.ndarray:
+    """Samples (K,) of `_change`."""
+    if prepared.nearby is not None:
+        return prepared.nearby.few[index]
+    return np.arange(0, len(prepared.measured[index].time), prepared.signals[index].every)
+
+
+def _at_rows(prepared: Prepared, index: int, values: np.ndarray) -> np.ndarray:
+    """Values (K, ...) at the samples of `_change`, at the rows of a recording (M, ...)."""
+    measured, decimation = prepared.measured[index], prepared.settings.decimation
+    every, time = prepared.signals[index].every, measured.time
+    coarse = time[::every]
+    if prepared.nearby is not None:
+        values = cubic_spline(time[prepared.nearby.few[index]], values)(coarse)
+    if len(coarse) < TOLERANCES.motion.sparse_samples:
+        return cubic_spline(coarse, values)(prepared.observations[index].time)
+    flat = decimate_sparse(values.reshape(len(values), -1), every, len(time), decimation)
+    return flat.reshape(-1, *values.shape[1:])
 
 
 def _machine(geometry: Geometry, effects: Sequence[tuple[EffectInstance, np.ndarray]], log: str) -> Geometry:

@@ -13,7 +13,7 @@ from bench.identification.decision import RULE
 from bench.identification.gauss_newton import beyond
 from bench.identification.identifiability_of_effects import with_zeros
 from bench.identification.joint_samples import joint_samples
-from bench.identification.moved_regressor import machine_derivatives, regressor_change
+from bench.identification.moved_regressor import check_closed, machine_derivatives, regressor_change
 from bench.identification.partial_regression import torque_errors
 from bench.identification.prepare import Prepared, with_effects
 from bench.identification.solution import NominalGains, Solution
@@ -63,7 +63,7 @@ def stepped(
     for share in TOLERANCES.shapes.shares:
         instances = _moved(prepared, shapes, share * theta[added], reaches, about + share * (values - about))
         try:
-            regressor_change(replace(prepared, effects=tuple(instances)))  # fails sooner than all columns
+            check_closed(replace(prepared, effects=tuple(instances)))  # fails sooner than all columns
             moved = with_effects(prepared, instances, fitted_only=True)
             after = solved_about(moved, trusted=trusted)
         except BenchError:  # out of reach, or singular

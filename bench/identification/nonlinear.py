@@ -13,7 +13,7 @@ from bench.effects.select import parameter_slices
 from bench.identification.compressed import Stack
 from bench.identification.decision import RULE
 from bench.identification.effect_columns import PresentModel
-from bench.identification.moved_regressor import regressor_change
+from bench.identification.moved_regressor import check_closed
 from bench.identification.newton import solved_about, squares_ratio, stepped
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared, with_effects, with_judged
@@ -184,7 +184,7 @@ def _closed(prepared: Prepared, instances: tuple[EffectInstance, ...]) -> tuple[
     if not changes_machine(instances):
         return instances
     try:
-        regressor_change(replace(prepared, effects=instances))
+        check_closed(replace(prepared, effects=instances))
     except BenchError:
         nothing = (
             each.effect.about({parameter.name: 0.0 for parameter in each.effect.parameters})
