@@ -189,6 +189,11 @@ class Effect(ABC):
         """Offset of its joint from the logged position, rad or m, at these values (p,) of the parameters."""
         return 0.0
 
+    @property
+    def moves_by_steps(self) -> bool:
+        """Whether steps move the values about which it is linearised, in place of each solution's."""
+        return self.bends or self.changes_machine
+
     def machine(self, geometry: Geometry, joint: str, values: np.ndarray) -> Geometry:  # noqa: ARG002 - by default the same
         """Lengths and gravity of a robot with the effect at these values (p,) of the parameters."""
         return geometry

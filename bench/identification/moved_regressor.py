@@ -17,12 +17,11 @@ from bench.identification.filtered import Measured
 from bench.identification.layout import known_rows, payload_columns, regressor_rows
 from bench.identification.observation import Observation
 from bench.identification.observation_matrix import machine_rows
-from bench.identification.perturbed_observation import geometry_key
+from bench.identification.perturbed_observation import geometry_key, motion_in
 from bench.identification.prepare import Prepared
 from bench.identification.tolerances import TOLERANCES
 from bench.model.geometry import Geometry
 from bench.model.model import IdentificationModel
-from bench.model.motion import motion_near
 from bench.signals.decimation import decimate_sparse, decimated_indices
 
 AS_MEASURED = b""  # the key of the unchanged machine
@@ -200,8 +199,8 @@ def _at_samples(
     near, unchanged = measured.few[AS_MEASURED]
     key = geometry_key(geometry) + shift.tobytes()
     if key not in measured.few:
-        rates = measured.velocity[some], measured.acceleration[some]
-        there = motion_near(geometry, near, measured.position[some] - shift, *rates)
+        active = measured.position[some], measured.velocity[some], measured.acceleration[some]
+        there = motion_in(geometry, model.geometry, near, *active, -shift)
         measured.few.clear()
         measured.few[AS_MEASURED] = near, unchanged
         measured.few[key] = there, machine_rows(model, geometry, there)

@@ -185,7 +185,7 @@ def _moved(
 ) -> list[EffectInstance]:
     """The effects with their shapes changed by steps within their reaches, and linearised about values."""
     about = linearised(prepared.model.geometry, prepared.effects, values)
-    instances = [b if a.effect.bends else a for a, b in zip(prepared.effects, about, strict=True)]
+    instances = [b if a.effect.moves_by_steps else a for a, b in zip(prepared.effects, about, strict=True)]
     for (i, name), step, (low, high) in zip(shapes, steps, reaches, strict=True):
         value = instances[i].effect.shape_values()[name]
         most = TOLERANCES.shapes.stride * abs(value)
@@ -285,7 +285,7 @@ def _bends(
     rows = phi.shape[:2]
     about, bent = [np.zeros(0)], [np.zeros((*rows, 0))]
     for instance in prepared.effects:
-        known = instance.effect.about_values() if every or instance.effect.bends else {}
+        known = instance.effect.about_values() if every or instance.effect.moves_by_steps else {}
         values = np.array([known.get(parameter.name, 0.0) for parameter in instance.effect.parameters])
         about.append(values)
         derivatives = np.zeros((*rows, len(values)))

@@ -112,7 +112,7 @@ def _but_bent(
     instances: Sequence[EffectInstance], about: Sequence[EffectInstance]
 ) -> tuple[EffectInstance, ...]:
     """Effects linearised about `about`, except those that bend: Gauss-Newton steps move these."""
-    return tuple(x if x.effect.bends else y for x, y in zip(instances, about, strict=True))
+    return tuple(x if x.effect.moves_by_steps else y for x, y in zip(instances, about, strict=True))
 
 
 def _rounds(
@@ -199,7 +199,7 @@ def _closed(prepared: Prepared, instances: tuple[EffectInstance, ...]) -> tuple[
 def _state(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[np.ndarray, ...]:
     """What no longer changes in a converged model: gains, nonlinear values and RMS errors."""
     curves = [
-        (*effect.shape_values().values(), *(effect.about_values().values() if effect.bends else ()))
+        (*effect.shape_values().values(), *(effect.about_values().values() if effect.moves_by_steps else ()))
         for effect in (instance.effect for instance in prepared.effects)
     ]
     return solution.gains, np.concatenate(curves), spread(stack, solution)

@@ -21,7 +21,13 @@ from bench.effects.signals import OVERSAMPLING, UNCHANGED, Changed, JointReactio
 from bench.identification.effect_columns import PresentModel, combined_torque, needed_torque
 from bench.identification.filtered import Measured
 from bench.identification.observation_matrix import machine_rows
-from bench.identification.perturbed_observation import KEPT, SmallChange, geometry_key, small_change
+from bench.identification.perturbed_observation import (
+    KEPT,
+    SmallChange,
+    geometry_key,
+    motion_in,
+    small_change,
+)
 from bench.identification.sparse_signals import sparse_gaps, sparse_joint
 from bench.identification.tolerances import TOLERANCES
 from bench.model.bounds import NODES
@@ -181,9 +187,8 @@ class Nearby:
             raise BenchError(self._barred[key])
         change = self._kept.get(key)
         if change is None:
-            position, *rates = self._active
             try:
-                tree = motion_near(other, self._tree, position + np.array(shift), *rates)
+                tree = motion_in(other, self._model.geometry, self._tree, *self._active, np.array(shift))
             except BenchError as error:
                 self._barred[key] = str(error)
                 raise

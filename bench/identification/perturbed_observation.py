@@ -14,7 +14,7 @@ from bench.identification.filtered import Measured
 from bench.identification.tolerances import TOLERANCES
 from bench.model.geometry import Anchor, Geometry
 from bench.model.model import IdentificationModel
-from bench.model.motion import Motion, motion_of
+from bench.model.motion import Motion, motion_near, motion_of
 from bench.model.regressor import projected_regressor
 
 
@@ -83,6 +83,25 @@ def _motion(
             return tree
         motion = measured.position[step], measured.velocity[step], measured.acceleration[step]
     return motion_of(geometry, measured.time[step], *motion, near=tree)
+
+
+def motion_in(
+    geometry: Geometry,
+    unchanged: Geometry,
+    near: Motion,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    acceleration: np.ndarray,
+    shift: np.ndarray,
+) -> Motion:
+    """The motion `near` of the unchanged geometry in another one, with a constant shift (n,) of the active positions.
+
+    position, velocity, acceleration (K, n): of the active joints without it. Raises BenchError if the loops cannot be
+    closed.
+    """
+    if not shift.any() and _same_lengths(geometry, unchanged):
+        return near
+    return motion_near(geometry, near, position + shift, velocity, acceleration)
 
 
 def _same_lengths(geometry: Geometry, other: Geometry) -> bool:

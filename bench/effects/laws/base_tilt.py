@@ -71,6 +71,7 @@ class BaseTilt(Effect):
     place = "robot"
     in_single_joints = (TiltedWeight(), TiltedLoad())
     depends_on_model = True
+    changes_machine = True
 
     tilt_x: float = 0.0
     tilt_y: float = 0.0
@@ -83,6 +84,9 @@ class BaseTilt(Effect):
             for joint in geometry.joints
             if _level(geometry, joint)
         }
+
+    def furthest(self, geometry: Geometry, joint: str) -> float:  # noqa: ARG002 - the same for all
+        return LARGEST
 
     def machine(self, geometry: Geometry, joint: str, values: np.ndarray) -> Geometry:  # noqa: ARG002 - as below
         gravity = geometry.gravity
