@@ -188,7 +188,8 @@ class Nearby:
         change = self._kept.get(key)
         if change is None:
             try:
-                tree = motion_in(other, self._model.geometry, self._tree, *self._active, np.array(shift))
+                q, v, a = self._active
+                tree = motion_in(other, self._model.geometry, self._tree, q, v, a, np.array(shift))
             except BenchError as error:
                 self._barred[key] = str(error)
                 raise
