@@ -35,8 +35,8 @@ def stepped(
 ) -> tuple[Prepared, Stack, Solution] | None:
     """A Gauss-Newton step of all nonlinear parameters and linear unknowns together; the model is solved there.
 
-    stack, solution: of the present model, from `solved_about` with the same `trusted`. None if there is nothing to move
-    or even a small share of the step increases the errors.
+    stack, solution: of the present model, from `solved_about` with the same `trusted`. The model itself if a step
+    promises no smaller errors; None if there is nothing to move or even a small share of the step increases the errors.
     """
     shapes, columns = _shape_derivatives(prepared, solution.theta, stack.current.shape)
     bent, about = _bends(prepared, stack.phi, solution.theta, every=False)
@@ -59,7 +59,7 @@ def stepped(
     values = theta[linear : prepared.layout.size]
     before = spread(stack, solution)
     if squares_ratio(promised, before) > 1.0 - TOLERANCES.steps.errors_settled:
-        return None
+        return prepared, stack, solution
     for share in TOLERANCES.shapes.shares:
         instances = _moved(prepared, shapes, share * theta[added], reaches, about + share * (values - about))
         try:
