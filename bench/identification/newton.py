@@ -9,8 +9,6 @@ from bench.basics.errors import BenchError
 from bench.effects import Bracket, EffectInstance
 from bench.effects.select import parameter_slices
 from bench.identification.compressed import Stack, compress, with_known
-from bench.identification.decision import RULE
-from bench.identification.gauss_newton import beyond
 from bench.identification.identifiability_of_effects import with_zeros
 from bench.identification.joint_samples import joint_samples
 from bench.identification.moved_regressor import check_closed, machine_derivatives, regressor_change
@@ -30,12 +28,10 @@ from bench.identification.solve_only import (
 from bench.identification.tolerances import TOLERANCES
 
 
-def stepped(
-    prepared: Prepared, stack: Stack, solution: Solution, *, trusted: bool = True
-) -> tuple[Prepared, Stack, Solution] | None:
+def stepped(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Prepared, Stack, Solution] | None:
     """A Gauss-Newton step of all nonlinear parameters and linear unknowns together; the model is solved there.
 
-    stack, solution: of the present model, from `solved_about` with the same `trusted`. The model itself if a step
+    stack, solution: of the present model, from `solved_about`. The model itself if a step
     promises no smaller errors; None if there is nothing to move or even a small share of the step increases the errors.
     """
     shapes, columns = _shape_derivatives(prepared, solution.theta, stack.current.shape)
@@ -65,7 +61,7 @@ def stepped(
         try:
             check_closed(replace(prepared, effects=tuple(instances)))  # fails sooner than all columns
             moved = with_effects(prepared, instances, fitted_only=True)
-            after = solved_about(moved, trusted=trusted)
+            after = solved_about(moved)
         except BenchError:  # out of reach, or singular
             continue
         if squares_ratio(spread(*after), before) <= 1.0 + TOLERANCES.steps.rounding:
@@ -110,13 +106,11 @@ def squares_ratio(errors: np.ndarray, before: np.ndarray) -> float:
     return float((ratio**2).mean())
 
 
-def solved_about(prepared: Prepared, *, trusted: bool) -> tuple[Stack, Solution]:
+def solved_about(prepared: Prepared) -> tuple[Stack, Solution]:
     """As `solved_quickly`; effects that change the machine are held at the values about which they are linearised, and
     the regressor is that of the changed machine: the solution does not depend on the present model.
 
-    trusted: the present model is nearly right. Otherwise drive gains are held, too, since those of a wrong machine can
-    run away, and the torque of these effects is that of the regressor, not of their more exact columns. Raises
-    BenchError if the loops cannot be closed.
+    Raises BenchError if the loops cannot be closed with them.
     """
     held = _columns_of_machine(prepared.effects)
     if not len(held):
@@ -131,15 +125,10 @@ def solved_about(prepared: Prepared, *, trusted: bool) -> tuple[Stack, Solution]
         phi, kappa = stack.phi + change * moving[:, :, None], stack.kappa + more * moving
         stack = replace(stack, phi=phi, kappa=kappa, factors=compress(phi, kappa, stack.current))
     system = with_known(stack, at, values)
-    kept, gains = np.setdiff1d(identified, at), prepared.gains
-    near = prepared.present.gains
-    if not trusted:
-        near = np.where(beyond(near[:, None] / gains.values[:, None], RULE.gain_far), gains.values, near)
-        gains = NominalGains(near, fitted=False)
-    solution = solved_with(system, kept, gains, near)
+    solution = solved_with(system, np.setdiff1d(identified, at), prepared.gains, prepared.present.gains)
     theta = solution.theta.copy()
     theta[at] = values
-    return stack, replace(solution, theta=theta, gains_fitted=prepared.gains.fitted)
+    return stack, replace(solution, theta=theta)
 
 
 def _columns_of_machine(effects: Sequence[EffectInstance]) -> np.ndarray:
@@ -161,19 +150,6 @@ def _values_about(effects: Sequence[EffectInstance]) -> np.ndarray:
     return np.array(
         [about.get(parameter.name, 0.0) for parameters, about in known for parameter in parameters]
     )
-
-
-def known_values(prepared: Prepared) -> np.ndarray:
-    """The present model's values (p,) of the unknowns, zero for effects."""
-    layout, present = prepared.layout, prepared.present
-    values = np.zeros(layout.size)
-    values[: layout.base] = present.base
-    for name, index in layout.payloads.items():
-        values[layout.payload_slice(name)] = present.payloads[name][index]
-    if layout.redundant:
-        nominal = [actuator.gain for actuator in prepared.dataset.robot.redundant]
-        values[layout.redundant_slice] = present.redundant_gains - np.array(nominal)
-    return values
 
 
 def _moved(

@@ -14,7 +14,7 @@ from bench.identification.compressed import Stack
 from bench.identification.decision import RULE
 from bench.identification.effect_columns import PresentModel
 from bench.identification.moved_regressor import check_closed
-from bench.identification.newton import solved_about, squares_ratio, stepped
+from bench.identification.newton import solved_about, stepped
 from bench.identification.partial_regression import partial_regression
 from bench.identification.prepare import Prepared, with_effects, with_judged
 from bench.identification.shapes import best_shape
@@ -98,7 +98,7 @@ def converged_from(
 
 def _begun(model: Prepared) -> tuple[tuple[EffectInstance, ...], PresentModel, tuple[np.ndarray, ...]]:
     """A model's effects about its solution, the model that they see, and its state."""
-    stack, solution = solved_about(model, trusted=True) if model.converged else solved_quickly(model)
+    stack, solution = solved_about(model) if model.converged else solved_quickly(model)
     instances = _but_bent(model.effects, _about(model, solution))
     return instances, present_model(model, solution), _state(model, stack, solution)
 
@@ -127,30 +127,20 @@ def _rounds(
 ) -> Prepared:
     """Rounds from effects linearised about `present`, until the state no longer changes from `before`.
 
-    A settled model keeps the columns with which this was observed. Once a step has made errors larger, changes of
-    the machine settle first without the present model, see `solved_about`.
+    A settled model keeps the columns with which this was observed.
     """
     instances = _closed(prepared, instances)
     last, settled = instances, False
-    trusted, doubted, last_errors = True, False, None
-    furthest, bounds = TOLERANCES.shapes.distrusted**2, TOLERANCES.steps
+    bounds = TOLERANCES.steps
     limit = bounds.machine_rounds if changes_machine(instances) else bounds.rounds
     for _ in range(limit if most is None else most):
         deadline.check()
         prepared = with_effects(prepared, instances, present, fitted_only=True)
-        solved = None if before is None else solved_about(prepared, trusted=trusted)
-        if solved and changes_machine(instances):
-            errors = spread(*solved)
-            if last_errors is not None and not doubted and squares_ratio(errors, last_errors) > furthest:
-                trusted, doubted = False, True
-                solved = solved_about(prepared, trusted=trusted)
-            last_errors = errors
-        together = None if solved is None else stepped(prepared, *solved, trusted=trusted)
+        solved = None if before is None else solved_about(prepared)
+        together = None if solved is None else stepped(prepared, *solved)
         if together is None:
             unshaped, prepared = prepared, _shaped(prepared, deadline)
-            stack, solution = (
-                solved if solved and prepared is unshaped else solved_about(prepared, trusted=trusted)
-            )
+            stack, solution = solved if solved and prepared is unshaped else solved_about(prepared)
         else:
             prepared, stack, solution = together
         instances = prepared.effects
@@ -169,10 +159,8 @@ def _rounds(
             continue
         now = _state(replace(prepared, effects=instances), stack, solution)
         if before is not None and _alike(now, before, int(stack.moving.sum())):
-            settled = trusted
-            if settled:
-                break
-            trusted = True
+            settled = True
+            break
         before = now
     if not settled and most is None:
         return replace(with_effects(prepared, instances, present), converged=True)

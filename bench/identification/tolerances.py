@@ -87,7 +87,6 @@ class ShapeBounds:
     shares: tuple[float, ...] = (1.0, 0.3, 0.1)
     difference: float = 1e-3  # for the derivative by a shape parameter
     expansion: float = 5.0  # times its nodes: range in which a column is taken as linear
-    distrusted: float = 1.5  # times the errors before a step: the present model is too far off
 
 
 @dataclass(frozen=True)
