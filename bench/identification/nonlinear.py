@@ -132,8 +132,7 @@ def _rounds(
     instances = _closed(prepared, instances)
     last, settled = instances, False
     bounds = TOLERANCES.steps
-    limit = bounds.machine_rounds if changes_machine(instances) else bounds.rounds
-    for _ in range(limit if most is None else most):
+    for _ in range(bounds.rounds if most is None else most):
         deadline.check()
         prepared = with_effects(prepared, instances, present, fitted_only=True)
         solved = None if before is None else solved_about(prepared)

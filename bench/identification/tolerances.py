@@ -58,7 +58,6 @@ class StepBounds:
     creeping_nats: float = 1e-3  # decrease below which creeping steps end: chance has a larger effect
     scale_ratio: float = 100.0  # between motors, beyond which a basis is formed for other scales
     rounds: int = 6  # of gains and shape parameters
-    machine_rounds: int = 12  # the same with effects that change the machine, whose steps are shorter
     settled: float = 1e-4  # relative change of gains and shape parameters between rounds
     # relative change of the RMS errors between rounds: chance has a far larger effect
     errors_settled: float = 1e-6
