@@ -15,12 +15,11 @@ from bench.effects import EffectInstance, changes_torque
 from bench.identification.compressed import Stack
 from bench.identification.decision import RULE
 from bench.identification.effect_columns import PresentModel
-from bench.identification.nonlinear import changes_machine, converged, converged_from, present_model, settles
+from bench.identification.nonlinear import converged, converged_from, present_model, settles
 from bench.identification.perturbations import Nearby
 from bench.identification.prepare import Prepared, seen_nearby, with_effects
 from bench.identification.solution import Solution, scaled_lstsq, torque_residual_rms, torque_system, weighted
 from bench.identification.solve_only import solved_quickly
-from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True)
@@ -77,17 +76,11 @@ class BaseModel:
         near = self._settled_nearby(instances)
         if leaves_only_noise(system, near, self.noise):
             return at_its_solution(near)
-        bounds = TOLERANCES.search
-        machine = changes_machine(instances)
-        return self._seen_by(
-            self.start, near, bounds.settling_machine_rounds if machine else bounds.settling_rounds
-        )
+        return self._seen_by(self.start, near)
 
     def exactly(self, model: Prepared) -> Prepared:
         """A model converged with nearby columns, now with exact ones."""
-        if model.nearby is None and not model.provisional:
-            return model
-        return self._seen_by(self.start, model)
+        return model if model.nearby is None else self._seen_by(self.start, model)
 
     def with_instances(self, instances: Sequence[EffectInstance]) -> Prepared:
         """The starting model with these effects, converged; first with nearby columns, if that saves work."""
@@ -142,13 +135,11 @@ class BaseModel:
     ) -> Prepared:
         return at_its_solution(self._converged(model, effects, present, nearly=nearly))
 
-    def _seen_by(self, other: Prepared, model: Prepared, most: int | None = None) -> Prepared:
-        """A converged model, converged with the signals of `other`, nearby or exact. most: rounds."""
+    def _seen_by(self, other: Prepared, model: Prepared) -> Prepared:
+        """A converged model, converged with the signals of `other`, nearby or exact."""
         if not settles(model.effects):
             return self._settled(other, model.effects, model.present, nearly=False)
-        return converged_from(
-            other, model, added_from=len(self.start.effects), most=most, deadline=self.deadline
-        )
+        return converged_from(other, model, added_from=len(self.start.effects), deadline=self.deadline)
 
     def _converged(
         self,

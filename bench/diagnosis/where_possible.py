@@ -52,7 +52,7 @@ def _where_it_shows(
         there_only = base_model.exactly(model)
     if there_only is model:
         return model, result
-    fitted, nearly = fit(there_only), model.nearby is not None or model.provisional
+    fitted, nearly = fit(there_only), model.nearby is not None
     able = [instance for instance in added if instance.seat in there or not wrong_signs(result, instance)]
     poorer = answer_weight(samples, there_only, fitted) < answer_weight(samples, model, result)
     if poorer and len(able) > len(kept):

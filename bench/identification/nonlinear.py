@@ -85,15 +85,13 @@ def converged_from(
     model: Prepared,
     *,
     added_from: int | None = None,
-    most: int | None = None,
     deadline: Deadline = NEVER,
 ) -> Prepared:
     """The effects of a converged model, converged with other signals, such as exact ones in place of nearby ones.
 
-    prepared: has these signals; its effects do not count. most: rounds, by default all; a model that has not settled
-    after fewer is `provisional`. added_from: as `converged`.
+    prepared: has these signals; its effects do not count. added_from: as `converged`.
     """
-    return _rounds(prepared, *_begun(model), added_from, most, deadline=deadline)
+    return _rounds(prepared, *_begun(model), added_from, deadline=deadline)
 
 
 def _begun(model: Prepared) -> tuple[tuple[EffectInstance, ...], PresentModel, tuple[np.ndarray, ...]]:
@@ -121,7 +119,6 @@ def _rounds(
     present: PresentModel,
     before: tuple[np.ndarray, ...] | None,
     added_from: int | None,
-    most: int | None = None,
     *,
     deadline: Deadline,
 ) -> Prepared:
@@ -130,9 +127,8 @@ def _rounds(
     A settled model keeps the columns with which this was observed.
     """
     instances = _closed(prepared, instances)
-    last, settled = instances, False
-    bounds = TOLERANCES.steps
-    for _ in range(bounds.rounds if most is None else most):
+    last = instances
+    for _ in range(TOLERANCES.steps.rounds):
         deadline.check()
         prepared = with_effects(prepared, instances, present, fitted_only=True)
         solved = None if before is None else solved_about(prepared)
@@ -158,12 +154,9 @@ def _rounds(
             continue
         now = _state(replace(prepared, effects=instances), stack, solution)
         if before is not None and _alike(now, before, int(stack.moving.sum())):
-            settled = True
-            break
+            return replace(with_judged(prepared), converged=True)
         before = now
-    if not settled and most is None:
-        return replace(with_effects(prepared, instances, present), converged=True)
-    return replace(with_judged(prepared), converged=True, provisional=not settled)
+    return replace(with_effects(prepared, instances, present), converged=True)
 
 
 def _closed(prepared: Prepared, instances: tuple[EffectInstance, ...]) -> tuple[EffectInstance, ...]:

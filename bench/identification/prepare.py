@@ -40,7 +40,7 @@ class Prepared:
     measured and observations belong together, one per usable recording. present: the model about which effects are
     linearised; signals: their inputs from each recording. scale: which drive gains are unknowns, and what keeps the
     others nominal. converged: whether nonlinear effects have their shape and are linearised about this very model;
-    provisional: not fully converged, which is enough in a search. nearby: source of small changes of the torque, in
+    nearby: source of small changes of the torque, in
     place of exact ones. contradicted: loop closures that other encoders contradict. bands: from the spectra of the
     recordings to identify from, None if not computed. rejected: filters rejected for narrower ones, the widest first.
     halved: the same recordings in half of the band, if known. kept: what models of these recordings share.
@@ -57,7 +57,6 @@ class Prepared:
     signals: tuple[RobotSignals, ...]
     scale: Scale = NOT_WANTED
     converged: bool = False
-    provisional: bool = False
     nearby: Nearby | None = None
     contradicted: tuple[Finding, ...] = ()
     bands: Bands | None = None
@@ -218,7 +217,6 @@ def with_effects(
         present=present,
         signals=signals,
         converged=False,
-        provisional=False,
     )
 
 
@@ -237,7 +235,7 @@ def with_judged(prepared: Prepared) -> Prepared:
 def seen_nearby(prepared: Prepared, nearby: Nearby) -> Prepared:
     """The same with small changes of the torque from `nearby`."""
     signals = nearby.signals(prepared.present, prepared.signals)
-    return replace(prepared, signals=signals, nearby=nearby, converged=False, provisional=False)
+    return replace(prepared, signals=signals, nearby=nearby, converged=False)
 
 
 def _first_model(dataset: Dataset, model: IdentificationModel, measured: Sequence[Measured]) -> PresentModel:

@@ -187,8 +187,6 @@ class SearchBounds:
 
     rounds: int = 6  # of proposals, choice and fit
     alike: int = 2  # like the present one, which are fitted where the best of the search is no better
-    settling_rounds: int = 1  # of shape parameters, of a model that has settled nearby, during the search
-    settling_machine_rounds: int = 6  # the same with effects that change the machine
     alone: int = 9  # effects on the shortlist for what they explain alone
     with_best: int = 7  # effects on the shortlist for what they explain with the best set
     # effects: up to this size all sets are compared; larger ones grow by one effect at a time
