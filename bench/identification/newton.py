@@ -1,12 +1,12 @@
 """All nonlinear parameters of a model together: derivatives, Gauss-Newton steps, deviations."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from bench.basics.errors import BenchError
-from bench.effects import Bracket, EffectInstance
+from bench.effects import Bracket, Effect, EffectInstance
 from bench.effects.select import parameter_slices
 from bench.identification.compressed import Stack, compress, with_known
 from bench.identification.identifiability_of_effects import with_zeros
@@ -54,7 +54,13 @@ def stepped(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Prepa
         return prepared, stack, solution
     values = theta[linear : prepared.layout.size]
     before = spread(stack, solution)
-    if squares_ratio(promised, before) > 1.0 - TOLERANCES.steps.errors_settled:
+    far = np.abs(values - about) > TOLERANCES.steps.settled * np.abs(values)  # not where it is linearised
+    if (
+        squares_ratio(promised, before) > 1.0 - TOLERANCES.steps.errors_settled
+        and not far[
+            _columns_where(prepared.effects, lambda effect: effect.bends and not effect.changes_machine)
+        ].any()
+    ):
         return prepared, stack, solution
     for share in TOLERANCES.shapes.shares:
         instances = _moved(prepared, shapes, share * theta[added], reaches, about + share * (values - about))
@@ -133,11 +139,15 @@ def solved_about(prepared: Prepared) -> tuple[Stack, Solution]:
 
 def _columns_of_machine(effects: Sequence[EffectInstance]) -> np.ndarray:
     """Indices (k,) of the parameters of effects that change the machine, among those of all effects."""
+    return _columns_where(effects, lambda effect: effect.changes_machine)
+
+
+def _columns_where(effects: Sequence[EffectInstance], which: Callable[[Effect], bool]) -> np.ndarray:
     return np.array(
         [
             k
             for instance, part in parameter_slices(effects)
-            if instance.effect.changes_machine
+            if which(instance.effect)
             for k in range(part.start, part.stop)
         ],
         dtype=int,
