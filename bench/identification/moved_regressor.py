@@ -12,7 +12,7 @@ import numpy as np
 from bench.basics.errors import BenchError
 from bench.basics.interpolation import cubic_spline
 from bench.effects import EffectInstance
-from bench.identification.effect_columns import encoder_offsets
+from bench.identification.effect_columns import combined_torque, encoder_offsets
 from bench.identification.filtered import Measured
 from bench.identification.layout import known_rows, payload_columns, regressor_rows
 from bench.identification.observation import Observation
@@ -51,14 +51,12 @@ def regressor_change(prepared: Prepared) -> tuple[np.ndarray, np.ndarray] | None
     return np.concatenate(columns), np.concatenate(known)
 
 
-def machine_derivatives(
-    prepared: Prepared, theta: np.ndarray, parameters: Sequence[tuple[int, int]]
-) -> np.ndarray:
-    """Derivatives (M, n, k) of the fitted torque by parameters of effects that change the machine, at the machine with
-    all of them.
+def machine_derivatives(prepared: Prepared, theta: np.ndarray) -> np.ndarray:
+    """Derivatives (M, n, k) of the fitted torque by all parameters of effects that change the machine, at the machine
+    with all of them.
 
-    theta (p,): the layout's unknowns. parameters: indices of an effect and of its parameter. Zero where the loops
-    cannot be closed with a small step; raises BenchError if they cannot be closed with the effects.
+    theta (p,): the layout's unknowns. Zero where the loops cannot be closed with a small step; raises BenchError if
+    they cannot be closed with the effects.
     """
     fitted = [
         index for index, observation in enumerate(prepared.observations) if observation.use == "identify"
@@ -69,13 +67,21 @@ def machine_derivatives(
         return [_changed_torque(changed, index, theta) for index in fitted]
 
     every, here = [], torques(prepared.effects)
-    for i, k in parameters:
+    share = TOLERANCES.shapes.difference
+    parameters = [
+        (i, parameter.name)
+        for i, instance in enumerate(prepared.effects)
+        if instance.effect.changes_machine
+        for parameter in instance.effect.parameters
+    ]
+    for i, name in parameters:
         instances = list(prepared.effects)
         effect, joint = instances[i].effect, instances[i].joint
-        known, name = effect.about_values(), effect.parameters[k].name
-        size = abs(known[name]) or effect.furthest(prepared.model.geometry, joint)
+        known, furthest = effect.about_values(), effect.furthest(prepared.model.geometry, joint)
+        # a value of nearly zero gives no step that rounding leaves
+        step_size = share * (abs(known[name]) if abs(known[name]) > share * furthest else furthest)
         derivatives = [np.zeros_like(torque) for torque in here]
-        for step in (TOLERANCES.shapes.difference * size, -TOLERANCES.shapes.difference * size):
+        for step in (step_size, -step_size):
             instances[i] = replace(instances[i], effect=effect.about(known | {name: known[name] + step}))
             try:
                 moved = torques(instances)
@@ -84,7 +90,9 @@ def machine_derivatives(
             derivatives = [(after - before) / step for after, before in zip(moved, here, strict=True)]
             break
         every.append(
-            np.concatenate([_at_rows(prepared, i, rows) for i, rows in zip(fitted, derivatives, strict=True)])
+            np.concatenate(
+                [_at_rows(prepared, index, rows) for index, rows in zip(fitted, derivatives, strict=True)]
+            )
         )
     return np.stack(every, axis=2)
 
@@ -107,11 +115,9 @@ def _changed_torque(prepared: Prepared, index: int, theta: np.ndarray) -> np.nda
     if name is not None:
         load = payload_columns(prepared.dataset.payloads[name]).known.copy()
         load[layout.payloads[name]] += theta[layout.payload_slice(name)]
-    torque = change[:, :, : layout.base + 10] @ np.append(theta[: layout.base], load)
-    if layout.redundant:
-        gains = observation.nominal + theta[layout.redundant_slice]
-        torque += np.einsum("knr,kr->kn", change[:, :, layout.base + 10 :], measured.redundant[some] * gains)
-    return np.asarray(torque)
+    gains = observation.nominal + theta[layout.redundant_slice]
+    redundant = measured.redundant[some] * gains if layout.redundant else None
+    return combined_torque(change, np.append(theta[: layout.base], load), redundant)
 
 
 def _changed(prepared: Prepared, index: int) -> Observation | None:

@@ -31,16 +31,17 @@ from bench.identification.tolerances import TOLERANCES
 def stepped(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Prepared, Stack, Solution] | None:
     """A Gauss-Newton step of all nonlinear parameters and linear unknowns together; the model is solved there.
 
-    stack, solution: of the present model, from `solved_about`. The model itself if a step
-    promises no smaller errors; None if there is nothing to move or even a small share of the step increases the errors.
+    stack, solution: of the present model, from `solved_about`. The model itself if a step promises no smaller errors;
+    None if there is nothing to move or even a small share of the step increases the errors.
     """
     shapes, columns = _shape_derivatives(prepared, solution.theta, stack.current.shape)
     bent, about = _bends(prepared, stack.phi, solution.theta, every=False)
-    moves = about.any() or any(instance.effect.changes_machine for instance in prepared.effects)
+    machine = _columns_of_machine(prepared.effects)
+    moves = about.any() or len(machine)
     if not shapes and not moves:
         return None
     # a changed machine's factors have other rows than the columns that all models share
-    kept = identifiable(prepared, stacked(prepared) if len(_columns_of_machine(prepared.effects)) else stack)
+    kept = identifiable(prepared, stacked(prepared) if len(machine) else stack)
     linear = prepared.layout.effect_slice.start
     whole = np.concatenate((np.zeros((*bent.shape[:2], linear)), bent), axis=2)
     system = _linearised(stack, whole, np.append(np.zeros(linear), about), columns)
@@ -48,7 +49,7 @@ def stepped(prepared: Prepared, stack: Stack, solution: Solution) -> tuple[Prepa
     lacks = torque_errors(stack, solution)
     reaches = [_reach(prepared, lacks, i, name) for i, name in shapes]
     ranges = _ranges(prepared, shapes, reaches)
-    fixed = {k: about[k - linear] for k in np.setdiff1d(linear + _columns_of_machine(prepared.effects), kept)}
+    fixed = {k: about[k - linear] for k in np.setdiff1d(linear + machine, kept)}
     theta, promised = _within(system, np.append(kept, added), fixed, ranges, prepared.gains, solution.gains)
     if not theta[added].any() and not moves:
         return prepared, stack, solution
@@ -290,15 +291,7 @@ def _bends(
     bends = np.concatenate(bent, axis=2)
     if len(held := _columns_of_machine(prepared.effects)):
         at = prepared.layout.effect_slice.start + held
-        parameters = [
-            (i, k)
-            for i, instance in enumerate(prepared.effects)
-            if instance.effect.changes_machine
-            for k in range(len(instance.effect.parameters))
-        ]
-        derivatives = machine_derivatives(prepared, theta, parameters)
-        moving = np.concatenate([each.moving for each in prepared.fitted])
-        bends[:, :, held] = derivatives * moving[:, :, None] - phi[:, :, at]
+        bends[:, :, held] = machine_derivatives(prepared, theta) - phi[:, :, at]
     return bends, np.concatenate(about)
 
 

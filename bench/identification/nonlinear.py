@@ -53,11 +53,6 @@ def settles(instances: Sequence[EffectInstance]) -> bool:
     return any(instance.effect.shape or instance.effect.depends_on_model for instance in instances)
 
 
-def changes_machine(instances: Sequence[EffectInstance]) -> bool:
-    """Whether any effect is a change of motion, lengths or gravity."""
-    return any(instance.effect.changes_machine for instance in instances)
-
-
 def converged(
     prepared: Prepared, *, nearly: bool = False, added_from: int | None = None, deadline: Deadline = NEVER
 ) -> Prepared:
@@ -161,8 +156,6 @@ def _rounds(
 
 def _closed(prepared: Prepared, instances: tuple[EffectInstance, ...]) -> tuple[EffectInstance, ...]:
     """The effects; those that change the machine about zero, if the loops cannot be closed with their values."""
-    if not changes_machine(instances):
-        return instances
     try:
         check_closed(replace(prepared, effects=instances))
     except BenchError:

@@ -40,10 +40,10 @@ class Prepared:
     measured and observations belong together, one per usable recording. present: the model about which effects are
     linearised; signals: their inputs from each recording. scale: which drive gains are unknowns, and what keeps the
     others nominal. converged: whether nonlinear effects have their shape and are linearised about this very model;
-    nearby: source of small changes of the torque, in
-    place of exact ones. contradicted: loop closures that other encoders contradict. bands: from the spectra of the
-    recordings to identify from, None if not computed. rejected: filters rejected for narrower ones, the widest first.
-    halved: the same recordings in half of the band, if known. kept: what models of these recordings share.
+    nearby: source of small changes of the torque, in place of exact ones. contradicted: loop closures that other
+    encoders contradict. bands: from the spectra of the recordings to identify from, None if not computed. rejected:
+    filters rejected for narrower ones, the widest first. halved: the same recordings in half of the band, if known.
+    kept: what models of these recordings share.
     """
 
     dataset: Dataset
