@@ -8,7 +8,7 @@ import pytest
 from bench.diagnosis.base_model import base_model_of
 from bench.effects import CATALOGUE, EffectInstance
 from bench.identification.identify import identify
-from bench.identification.moved_regressor import regressor_change
+from bench.identification.moved_regressor import machine_derivatives, regressor_change
 from bench.identification.nonlinear import converged
 from bench.identification.prepare import prepare, seen_nearby, with_effects
 from bench.identification.problem import problem_of
@@ -42,6 +42,25 @@ def test_the_regressor_changes_as_the_torque_of_any_parameters(name: str):
         by_parameters = changes[0][:, :, : len(base)] @ base * moving
         off = np.linalg.norm(by_parameters - by_effect) / np.linalg.norm(by_effect)
         assert off < 0.01, (name, heavier)
+
+
+@pytest.mark.parametrize("recordings", [("free",), ("free", "held")], ids=["nominal gains", "fitted gains"])
+def test_derivatives_are_those_of_the_changed_rows_also_with_a_redundant_motor(recordings: tuple[str, ...]):
+    prepared = prepare(problem_of(as_dataset(plain("dualv", recordings=recordings))))
+    base = prepared.layout.base
+    theta = np.append(prepared.present.base, 0.1 * np.ones(prepared.layout.size - base + 1))
+
+    def changed_torque(offset: float) -> np.ndarray:
+        instance = EffectInstance(CATALOGUE["encoder_offset"].about({"offset": offset}), "motor_1", "zero")
+        changes = regressor_change(with_effects(prepared, [instance]))
+        assert changes is not None
+        return changes[0] @ theta + changes[1]
+
+    about = EffectInstance(CATALOGUE["encoder_offset"].about({"offset": 0.01}), "motor_1", "zero")
+    derivative = machine_derivatives(with_effects(prepared, [about]), theta)[:, :, 0]
+    difference = (changed_torque(0.01001) - changed_torque(0.00999)) / 2e-5
+    # the redundant motor's torque enters at few samples, with its noise
+    assert np.linalg.norm(derivative - difference) < 0.03 * np.linalg.norm(difference)
 
 
 def test_without_such_an_effect_nothing_changes():

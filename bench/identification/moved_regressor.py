@@ -115,9 +115,9 @@ def _changed_torque(prepared: Prepared, index: int, theta: np.ndarray) -> np.nda
     if name is not None:
         load = payload_columns(prepared.dataset.payloads[name]).known.copy()
         load[layout.payloads[name]] += theta[layout.payload_slice(name)]
-    gains = observation.nominal + theta[layout.redundant_slice]
-    redundant = measured.redundant[some] * gains if layout.redundant else None
-    return combined_torque(change, np.append(theta[: layout.base], load), redundant)
+    fitted = theta[layout.redundant_slice] if layout.redundant else 0.0  # else the gains stay nominal
+    redundant_torque = measured.redundant[some] * (observation.nominal + fitted)
+    return combined_torque(change, np.append(theta[: layout.base], load), redundant_torque)
 
 
 def _changed(prepared: Prepared, index: int) -> Observation | None:
