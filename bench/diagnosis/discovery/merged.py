@@ -136,10 +136,10 @@ def _promises(
     judge: Judge,
     least: float,
 ) -> bool:
-    """Whether a power may be better than `least`: judged by the sum of the initial ones, which explains about as much
-    as one with the best exponent, at its number of unknowns.
+    """Whether a power may be better than `least`: judged by a sum of powers, which explains about as much as one with the
+    best exponent, at its number of unknowns.
     """
-    terms = [Screened(Term((Power(V, each),)), {}, 0.0) for each in TOLERANCES.laws.merged_exponents]
+    terms = [Screened(Term((Power(V, each),)), {}, 0.0) for each in TOLERANCES.laws.summed_exponents]
     powers = [
         at_joint(law_effect(NAME, [at_place(term, place) for term in terms], place)[0], place.name)
         for place in places
