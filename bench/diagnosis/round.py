@@ -56,9 +56,9 @@ class Round:
 def reshaped_proposals(base_model: BaseModel, this_round: Round, progress: Progress) -> list[Proposal]:
     """Proposals in the best shape for the selected set: in addition to it, or in place of the effect that they rival.
 
-    An effect that could replace an identified one gets its shape without that one; the others get the shape that
-    explains most of the selected set's residual, if this exceeds noise. A special case of an identified effect that
-    explains little of it gets its shape in the place of that one.
+    An effect that could replace an identified one gets its shape without that one, unless it explains most of a motor's
+    residual in addition; the others get the shape that explains most of this residual, if it exceeds noise. A special
+    case of an identified effect that explains little of it gets its shape in the place of that one.
     """
     model = this_round.model
     added = added_effects(base_model, model)
@@ -84,17 +84,16 @@ def reshaped_proposals(base_model: BaseModel, this_round: Round, progress: Progr
             continue
         rival = next((k for k in this_round.chosen if contains(candidates[i], candidates[k])), None)
         if rival is None:
-            rival = _rival(this_round.system, this_round.selection, i)
-        if rival is None:
-            instances = (
-                proposal.instances
-                if only_noise
-                else shaped(contexts[None], proposal.instances, base_model.deadline)
-            )
-            rival = next((k for k in this_round.chosen if contains(candidates[k], candidates[i])), None)
-            if rival is None or (not only_noise and explains(contexts[None], instances)):
-                result.append(replace(proposal, instances=instances))
-                continue
+            beside = proposal.instances
+            if not only_noise:
+                beside = shaped(contexts[None], beside, base_model.deadline)
+            if only_noise or not _explains_a_motor(contexts[None], beside):
+                rival = _rival(this_round.system, this_round.selection, i)
+            if rival is None:
+                rival = next((k for k in this_round.chosen if contains(candidates[k], candidates[i])), None)
+                if rival is None or (not only_noise and _explains(contexts[None], beside)):
+                    result.append(replace(proposal, instances=beside))
+                    continue
         name = this_round.proposals[rival].name
         if rival not in contexts:
             others = [instance for instance in added if instance.name != name]
@@ -143,12 +142,18 @@ def explaining_most(context: Context, *tried: tuple[EffectInstance, ...]) -> tup
     return max(tried, key=lambda instances: _explained(context, instances))
 
 
-def explains(context: Context, instances: Sequence[EffectInstance]) -> bool:
+def _explains(context: Context, instances: Sequence[EffectInstance]) -> bool:
     """Whether instances remove a clear share of a model's residual on the fitted recordings."""
     return (
         _explained(context, instances)
         > (1.0 - (1.0 - RULE.material) ** 2) * context.regression.sum_of_squares
     )
+
+
+def _explains_a_motor(context: Context, instances: Sequence[EffectInstance]) -> bool:
+    """Whether one of the instances removes most of a motor's squared residual; all motors' are weighted to be equal."""
+    most = RULE.most * context.regression.sum_of_squares / len(context.regression.weights)
+    return any(_explained(context, [instance]) > most for instance in instances)
 
 
 def _explained(context: Context, instances: Sequence[EffectInstance]) -> float:

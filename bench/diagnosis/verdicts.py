@@ -46,7 +46,7 @@ def verdicts(
     places: dict[str, tuple[str, ...]] = {}
     for instance in finding.new:
         at = (instance.joint,) if instance.joint else finding.model.dataset.robot.joints
-        places[instance.name] = (*places.get(instance.name, ()), *at)
+        places[instance.name] = tuple(dict.fromkeys((*places.get(instance.name, ()), *at)))
     rows: list[EffectVerdict] = []
     for i, proposal in enumerate(last.proposals):
         if proposal.absorbed:

@@ -51,8 +51,9 @@ class DriveGain(Quantity):
 
     @property
     def determined(self) -> bool:
-        """Likewise; a gain smaller than its standard error is not: it could have either sign."""
-        return super().determined and self.std <= abs(self.value)
+        """Likewise; a gain smaller than its standard error is not, as it could have either sign, nor one of rounding."""
+        least = max(self.std, TOLERANCES.rank.torque * abs(self.nominal))
+        return super().determined and least <= abs(self.value)
 
     @property
     def fitted(self) -> bool:
