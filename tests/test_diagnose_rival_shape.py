@@ -17,7 +17,7 @@ DESIGN = {"optimise": False, "span": 0.2, "duration": 10.0}
 
 
 def test_cogging_is_found_beside_a_tilt_that_slow_waves_could_replace() -> None:
-    """A wave of five periods in a turn looks like a tilted weight; the cogging has fifty, and a hundredth of the error."""
+    """A wave of five periods in a turn looks like a tilted weight; the cogging has fifty, and little of the error."""
     scenario = load_scenario("dualv", {"hidden": [TILT, COGGING], "design": DESIGN, "step": 0.0005})
     problem = problem_of(as_dataset(simulate(scenario)))
     found = diagnose_with_catalogue(

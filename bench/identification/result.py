@@ -51,7 +51,7 @@ class DriveGain(Quantity):
 
     @property
     def determined(self) -> bool:
-        """Likewise; a gain smaller than its standard error is not, as it could have either sign, nor one of rounding."""
+        """Likewise; a gain smaller than its standard error is not (it could have either sign), nor one of rounding."""
         least = max(self.std, TOLERANCES.rank.torque * abs(self.nominal))
         return super().determined and least <= abs(self.value)
 

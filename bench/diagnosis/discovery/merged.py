@@ -136,8 +136,8 @@ def _promises(
     judge: Judge,
     least: float,
 ) -> bool:
-    """Whether a power may be better than `least`: judged by a sum of powers, which explains about as much as one with the
-    best exponent, at its number of unknowns.
+    """Whether a power may be better than `least`: judged by a sum of powers, which explains about as much as one with
+    the best exponent, at its number of unknowns.
     """
     terms = [Screened(Term((Power(V, each),)), {}, 0.0) for each in TOLERANCES.laws.summed_exponents]
     powers = [
