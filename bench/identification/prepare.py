@@ -243,7 +243,10 @@ def _first_model(dataset: Dataset, model: IdentificationModel, measured: Sequenc
     fitted = [entry for entry in measured if entry.recording.use == "identify"] or list(measured)
     declared = declared_parameters(dataset.payloads)
     extra = model.geometry.redundant
-    speeds = [np.hstack((entry.velocity, entry.tree.v[:, extra])) for entry in fitted]
+    speeds = [
+        np.hstack((entry.velocity, entry.tree.v[:, extra])) if len(extra) else entry.velocity
+        for entry in fitted
+    ]
     return PresentModel(
         gains=dataset.robot.nominal_gains,
         base=model.guessed,
