@@ -1,17 +1,19 @@
 """One power of the velocity where several functions of it come near one, and the frictions that there truly are."""
 
+import numpy as np
 import pytest
 
 from bench.diagnosis.discovery.factors import Memory, Power
 from bench.diagnosis.discovery.find import find_missing_effects
 from bench.diagnosis.discovery.grammar import LOAD, V
 from bench.diagnosis.discovery.laws import Law
-from bench.diagnosis.discovery.merged import Part, fewer, parts_of, together, unknowns
+from bench.diagnosis.discovery.merged import Part, fewer, parts_of, together, unknowns, with_another
 from bench.diagnosis.discovery.source import law_effect
 from bench.diagnosis.discovery.term import Term
 from bench.diagnosis.discovery.variables import Place
 from bench.diagnosis.result import Diagnosis
 from bench.effects import CATALOGUE, EffectInstance
+from bench.identification.tolerances import TOLERANCES
 from tests.discover_kit import BRAKED, FRICTIONS, among, measured
 
 FLOOR = 1.15  # times the noise: what may be left
@@ -31,13 +33,15 @@ def diagnosed(*hidden: dict[str, object]) -> Diagnosis:
 
 @pytest.mark.parametrize(
     "powers",
-    [{"left": (0.3, 2.4)}, {"left": (0.14, 0.57), "right": (0.14, 1.6)}],
-    ids=["one motor", "two motors"],
+    [{"left": (0.3, 2.4)}, {"left": (0.14, 0.57), "right": (0.14, 1.6)}, {"left": (0.08, 1.37)}],
+    ids=["one motor", "two motors", "a small one"],
 )
 def test_one_power_of_the_velocity_stands_for_several_functions_that_are_near_it(
     powers: dict[str, tuple[float, float]],
 ) -> None:
-    """With 0.57 three effects of the catalogue leave no more than noise, with 1.6 two leave a little more."""
+    """With 0.57 three effects of the catalogue leave no more than noise, with 1.6 two leave a little more, and with
+    1.37 two and a friction that varies with the position leave no more.
+    """
     found = diagnosed(*(power(*values, joint) for joint, values in powers.items()))
     assert found.missing == ()
     assert {law.place for law in found.discovered} == set(powers)
@@ -129,6 +133,26 @@ def test_terms_of_a_law_count_as_functions_of_the_velocity_by_themselves() -> No
     assert [part.of_velocity for part in parts] == [True, False, False, True]
     (alike,) = together(parts)
     assert [part.name for part in alike] == [parts[0].name, "coulomb_friction"]
+
+
+def test_a_dissipative_effect_at_the_same_motor_may_only_compensate() -> None:
+    group = of_catalogue("viscous_friction", "quadratic_drag")
+    drift = of_catalogue("thermal_friction_drift")
+    elsewhere = of_catalogue("thermal_friction_drift", joint="right")
+    stored = of_catalogue("joint_spring")
+    assert list(with_another([group], [*group, *drift, *elsewhere, *stored])) == [group, [*group, *drift]]
+
+
+@pytest.mark.parametrize("exponent", [0.2, 0.3, 0.45, 0.6, 0.8, 1.3, 1.7, 2.2, 2.7])
+def test_a_sum_of_few_powers_is_near_one_with_any_exponent(exponent: float) -> None:
+    velocity = np.sin(np.linspace(0.0, 40.0, 4000)) * np.sin(np.linspace(0.0, 7.0, 4000))
+
+    def odd(p: float) -> np.ndarray:
+        return np.sign(velocity) * np.abs(velocity) ** p
+
+    basis = np.column_stack([odd(p) for p in TOLERANCES.laws.summed_exponents])
+    remainder = odd(exponent) - basis @ np.linalg.lstsq(basis, odd(exponent))[0]
+    assert np.linalg.norm(remainder) < 2e-3 * np.linalg.norm(odd(exponent))
 
 
 def test_motors_with_the_same_functions_are_looked_at_together_and_alone() -> None:

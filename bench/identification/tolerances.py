@@ -212,7 +212,7 @@ class LawBounds:
     exponents: tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 3.0)  # of a power
     # of a power that replaces several effects, at the start
     merged_exponents: tuple[float, ...] = (0.5, 1.5, 2.5)
-    # of powers whose sum is within 0.1 % of one with any exponent from 0.2 to 3
+    # of powers whose sum is within 0.2 % of one with any exponent from 0.2 to 3
     summed_exponents: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0, 3.0)
     exponent_range: float = 0.5  # by which an exponent is adapted, either way
     durations: tuple[float, ...] = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # s, time constants of what has a memory

@@ -80,8 +80,8 @@ def _terms(law: Law, instance: EffectInstance) -> list[Part]:
 def merged(
     finding: SearchResult, laws: Sequence[Law], catalogue: Mapping[str, Effect], judge: Judge, *, much: bool
 ) -> Iterator[Refined]:
-    """Models with a power of the velocity in place of some functions of the velocity at some motors, which have fewer
-    unknowns and as small an error, or as many and a clearly smaller one.
+    """Models with a power of the velocity in place of some functions of the velocity at some motors, and of one effect
+    more, which have fewer unknowns and as small an error, or as many and a clearly smaller one.
 
     laws: among the identified effects. catalogue: with their special cases. much: whether more than noise remains, so
     that a model with as many unknowns can be clearly better.
@@ -89,7 +89,7 @@ def merged(
     base_model = finding.base_model
     parts = parts_of(added_effects(base_model, finding.model), laws)
     least = finding.weight_by(judge.samples)
-    for alike in together(parts):
+    for alike in with_another(together(parts), parts):
         others = [part for part in parts if part not in alike]
         at = {part.instance.joint for part in alike}
         places = [place for place in places_of(base_model.start) if place.name in at]
@@ -126,6 +126,25 @@ def together(parts: Sequence[Part]) -> list[list[Part]]:
     joined = [[part for some in group for part in some] for group in groups.values()]
     alone = [some for group in groups.values() if len(group) > 1 for some in group]
     return sorted([*joined, *alone], key=lambda some: -unknowns(some))
+
+
+def with_another(groups: Iterable[Sequence[Part]], parts: Sequence[Part]) -> Iterator[list[Part]]:
+    """Every group, and the group with another dissipative effect at its motors, which may only compensate for the shape
+    of the sum.
+    """
+    for group in groups:
+        yield list(group)
+        at, among = {part.instance.joint for part in group}, {part.name for part in group}
+        others = [
+            part
+            for part in parts
+            if part.term is None
+            and part.instance.joint in at
+            and part.instance.effect.by_motor
+            and part.name not in among
+        ]
+        for name in sorted({part.name for part in others}):
+            yield [*group, *(part for part in others if part.name == name)]
 
 
 def _promises(
