@@ -51,7 +51,7 @@ def test_it_says_why() -> None:
 
 def test_laws_of_such_logs_have_no_time() -> None:
     def with_time(of_time: bool) -> bool:
-        scope = Scope(1, False, False, 10.0, -1.0, 2.0, (1.0,), (7.0,), 0.01, of_time)
+        scope = Scope(1, False, False, 10.0, -1.0, 2.0, ((1.0, 0.5),), (7.0,), 0.01, of_time)
         return any(T in factor.variables for term in grammar(scope) for factor in term.factors)
 
     assert with_time(True)

@@ -23,7 +23,9 @@ from bench.identification.problem import problem_of
 from tests.discover_kit import BRAKED, measured
 
 MIXED = Place(("left", "right", "slide"), (True, True, False), 0)
-SCOPE = Scope(2, True, True, 10.0, -1.0, 2.0, (1.0, 2.0, 3.0, 4.0), (7.0,), 0.01, True)
+SCOPE = Scope(
+    2, True, True, 10.0, -1.0, 2.0, tuple((rate, 0.5) for rate in (1.0, 2.0, 3.0, 4.0)), (7.0,), 0.01, True
+)
 
 
 @pytest.fixture(scope="module")

@@ -41,6 +41,6 @@ def test_a_share_of_all_other_motors_torques_is_one_law_and_no_length():
 def test_loads_are_added_up_where_there_are_several_of_one_kind(rotates: tuple[bool, ...], several: bool):
     place = Place(MOTORS[: len(rotates)], rotates, 0)
     assert are_several(place) == several
-    scope = Scope(len(rotates) - 1, several, True, 10.0, -1.0, 2.0, (1.0,), (7.0,), 0.01, True)
+    scope = Scope(len(rotates) - 1, several, True, 10.0, -1.0, 2.0, ((1.0, 0.5),), (7.0,), 0.01, True)
     seen = {variable for term in grammar(scope) for variable in term.variables}
     assert (OTHERS in seen) == several

@@ -20,8 +20,9 @@ class Scope:
     """The inputs of laws, the same at all motors.
 
     others: number of other motors; several: whether their loads can be added; tool: whether there is one. duration s,
-    of the longest recording. lowest, highest: positions, rad or m; rates: of waves over the position, rad per unit;
-    pulses: of waves over time, rad/s. shortest s: between samples. of_time: whether a law may depend on time alone.
+    of the longest recording. lowest, highest: positions, rad or m; rates: of waves over the position, rad per unit,
+    each with its range if free, either way; pulses: of waves over time, rad/s. shortest s: between samples. of_time:
+    whether a law may depend on time alone.
     """
 
     others: int
@@ -30,7 +31,7 @@ class Scope:
     duration: float
     lowest: float
     highest: float
-    rates: tuple[float, ...]
+    rates: tuple[tuple[float, float], ...]
     pulses: tuple[float, ...]
     shortest: float
     of_time: bool
@@ -42,7 +43,7 @@ def grammar(scope: Scope) -> list[Term]:
     inertial = [*_powers(A, (1.0, 2.0), (0.5, 1.0, 1.5, 2.0)), Power(A, 0.0)]
     load = [*_powers(LOAD, (0.5, 1.0, 1.5, 2.0), (0.5, 1.0, 1.5, 2.0)), Power(LOAD, 0.0)]
     place = [Power(Q), Power(Q, 2.0, odd=False), Power(Q, 3.0), Power(Q, 1.0, odd=False)]
-    waves = [Wave(Q, rate, 0.5) for rate in scope.rates]
+    waves = [Wave(Q, rate, reach) for rate, reach in scope.rates]
     steps = [*_steps(Q, scope.lowest, scope.highest)]
     clock: list[Factor] = []
     if scope.of_time:

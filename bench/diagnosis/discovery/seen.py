@@ -59,8 +59,10 @@ def scope_of(prepared: Prepared, regression: PartialRegression, places: Sequence
     positions = np.concatenate([observation.position for observation in fitted])
     slides = [j for j, place in enumerate(places) if not place.rotates[place.index]]
     travel = float(np.ptp(positions[:, slides], axis=0).max()) if slides else 0.0
-    rates = [*(TOLERANCES.laws.harmonics if len(slides) < len(places) else ())]
-    rates += [2.0 * np.pi * value / travel for value in TOLERANCES.laws.waves if travel > 0.0]
+    rates = [(rate, 0.5) for rate in TOLERANCES.laws.harmonics if len(slides) < len(places)]
+    if travel > 0.0:
+        period = 2.0 * np.pi / travel
+        rates += [(value * period, 0.5 * period) for value in TOLERANCES.laws.waves]
     robots = prepared.fitted_signals
     interval = prepared.settings.decimation / next(iter(robots[0].joints.values())).rate
     return Scope(
