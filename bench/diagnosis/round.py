@@ -84,11 +84,11 @@ def reshaped_proposals(base_model: BaseModel, this_round: Round, progress: Progr
             continue
         rival = next((k for k in this_round.chosen if contains(candidates[i], candidates[k])), None)
         if rival is None:
-            beside = proposal.instances
+            beside, shows = proposal.instances, False
             if not only_noise:
                 beside = shaped(contexts[None], beside, base_model.deadline)
-            if only_noise or not _explains_a_motor(contexts[None], beside):
-                rival = _rival(this_round.system, this_round.selection, i)
+                shows = _explains_a_motor(contexts[None], beside)
+            rival = None if shows else _rival(this_round.system, this_round.selection, i)
             if rival is None:
                 rival = next((k for k in this_round.chosen if contains(candidates[k], candidates[i])), None)
                 if rival is None or (not only_noise and _explains(contexts[None], beside)):

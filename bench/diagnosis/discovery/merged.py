@@ -80,8 +80,8 @@ def _terms(law: Law, instance: EffectInstance) -> list[Part]:
 def merged(
     finding: SearchResult, laws: Sequence[Law], catalogue: Mapping[str, Effect], judge: Judge, *, much: bool
 ) -> Iterator[Refined]:
-    """Models with a power of the velocity in place of some functions of the velocity at some motors, and of one effect
-    more, which have fewer unknowns and as small an error, or as many and a clearly smaller one.
+    """Models with a power of the velocity in place of some functions of the velocity at some motors, or of these and of
+    another effect, which have fewer unknowns and as small an error, or as many and a clearly smaller one.
 
     laws: among the identified effects. catalogue: with their special cases. much: whether more than noise remains, so
     that a model with as many unknowns can be clearly better.

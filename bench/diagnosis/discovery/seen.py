@@ -59,10 +59,8 @@ def scope_of(prepared: Prepared, regression: PartialRegression, places: Sequence
     positions = np.concatenate([observation.position for observation in fitted])
     slides = [j for j, place in enumerate(places) if not place.rotates[place.index]]
     travel = float(np.ptp(positions[:, slides], axis=0).max()) if slides else 0.0
-    rates = [(rate, 0.5) for rate in TOLERANCES.laws.harmonics if len(slides) < len(places)]
-    if travel > 0.0:
-        period = 2.0 * np.pi / travel
-        rates += [(value * period, 0.5 * period) for value in TOLERANCES.laws.waves]
+    waves = [(1.0, TOLERANCES.laws.harmonics)] if len(slides) < len(places) else []
+    waves += [(2.0 * np.pi / travel, TOLERANCES.laws.waves)] if travel > 0.0 else []
     robots = prepared.fitted_signals
     interval = prepared.settings.decimation / next(iter(robots[0].joints.values())).rate
     return Scope(
@@ -72,7 +70,7 @@ def scope_of(prepared: Prepared, regression: PartialRegression, places: Sequence
         duration=max(float(observation.time[-1] - observation.time[0]) for observation in fitted),
         lowest=float(positions.min()),
         highest=float(positions.max()),
-        rates=tuple(rates),
+        rates=tuple((number * one, 0.5 * one) for one, numbers in waves for number in numbers),
         pulses=_pulses(regression, [len(observation.time) for observation in fitted], interval),
         shortest=interval,
         of_time=too_short(prepared.dataset.recordings) is None,
