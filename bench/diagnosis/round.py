@@ -84,15 +84,15 @@ def reshaped_proposals(base_model: BaseModel, this_round: Round, progress: Progr
             continue
         rival = next((k for k in this_round.chosen if contains(candidates[i], candidates[k])), None)
         if rival is None:
-            beside, shows = proposal.instances, False
+            in_addition, shows = proposal.instances, False
             if not only_noise:
-                beside = shaped(contexts[None], beside, base_model.deadline)
-                shows = _explains_a_motor(contexts[None], beside)
+                in_addition = shaped(contexts[None], in_addition, base_model.deadline)
+                shows = _explains_a_motor(contexts[None], in_addition)
             rival = None if shows else _rival(this_round.system, this_round.selection, i)
             if rival is None:
                 rival = next((k for k in this_round.chosen if contains(candidates[k], candidates[i])), None)
-                if rival is None or (not only_noise and _explains(contexts[None], beside)):
-                    result.append(replace(proposal, instances=beside))
+                if rival is None or (not only_noise and _explains(contexts[None], in_addition)):
+                    result.append(replace(proposal, instances=in_addition))
                     continue
         name = this_round.proposals[rival].name
         if rival not in contexts:
