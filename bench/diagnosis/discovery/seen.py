@@ -70,7 +70,7 @@ def scope_of(prepared: Prepared, regression: PartialRegression, places: Sequence
         duration=max(float(observation.time[-1] - observation.time[0]) for observation in fitted),
         lowest=float(positions.min()),
         highest=float(positions.max()),
-        rates=tuple((number * one, 0.5 * one) for one, numbers in waves for number in numbers),
+        rates=tuple((number * rate, 0.5 * rate) for rate, numbers in waves for number in numbers),
         pulses=_pulses(regression, [len(observation.time) for observation in fitted], interval),
         shortest=interval,
         of_time=too_short(prepared.dataset.recordings) is None,
