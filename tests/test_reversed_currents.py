@@ -61,9 +61,30 @@ def test_it_is_named_though_friction_is_missing_and_refused_by_a_diagnosis(lacki
     (finding,) = mistaken(problem_of(wrong), identify(prepare(problem_of(wrong))))
     assert sentence(finding).startswith(said)
     joint = "right" if signs[1] < 0 else "left"
-    assert f"`--scale current.{joint}=-1`" in sentence(finding)
+    assert f"`--scale current.{joint}=-1 --replace`" in sentence(finding)
     with pytest.raises(BenchError, match=said):
         diagnose(wrong)
+
+
+def exchanged(data):
+    """The same recordings, each with the other one's load."""
+    loads = sorted({one.payload for one in data.recordings}, key=str)
+    other = dict(zip(loads, reversed(loads), strict=True))
+    return replace(
+        data, recordings=tuple(replace(one, payload=other[one.payload]) for one in data.recordings)
+    )
+
+
+def test_exchanged_loads_are_told_from_reversed_signs_of_all_currents(lacking):
+    """Both make all drive gains negative with the same error; friction takes power from the motors in one only."""
+    wrong = exchanged(lacking)
+    (finding,) = mistaken(problem_of(wrong), identify(prepare(problem_of(wrong))))
+    assert finding.code is Code.LOADS_EXCHANGED
+    with pytest.raises(BenchError, match="with and without the payload .* are probably exchanged"):
+        diagnose(wrong)
+    wrong = turned(lacking, [-1.0, -1.0])
+    findings = mistaken(problem_of(wrong), identify(prepare(problem_of(wrong))))
+    assert [finding.code for finding in findings] == [Code.CURRENT_REVERSED, Code.CURRENT_REVERSED]
 
 
 def test_nothing_is_suspected_of_a_missing_effect(lacking):

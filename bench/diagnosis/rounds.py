@@ -11,6 +11,7 @@ from bench.diagnosis.base_model import BaseModel, added_names, restarted
 from bench.diagnosis.candidates import Proposal, partners, propose
 from bench.diagnosis.error_floor import judged_by_its_error
 from bench.diagnosis.fewer_places import at_its_places, best_places, most_gained
+from bench.diagnosis.noise import leaves_only_noise
 from bench.diagnosis.normal_equations import build_system
 from bench.diagnosis.round import Round, in_their_shape, reshaped_proposals, usable
 from bench.diagnosis.search import best_set, neighbours, score_set, search
@@ -156,11 +157,39 @@ def _first_better(
 ) -> Round | None:
     """The best set of a round with its model, or the first set similar to `before` that is better than it."""
     if before is None:
-        return _converged(base_model, this_round)
+        return _best_machine(base_model, _converged(base_model, this_round), barred)
     every = (
         _converged(base_model, tried) for tried in (this_round, *_alike(this_round, before.chosen, barred))
     )
     return next((tried for tried in every if _better(tried, before)), None)
+
+
+def _best_machine(base_model: BaseModel, this_round: Round, barred: Collection[str]) -> Round:
+    """A converged round, or a more probable one with another effect that changes the machine in place of one.
+
+    Such effects are compared by their tangents, which say little of large changes: a wrong zero of 50 mrad explains
+    more than its tangent, and may explain more than many lengths. So where a set explains more than its tangents do,
+    each other effect is converged in its place.
+    """
+    chosen, proposals = this_round.chosen, this_round.proposals
+    machines = {
+        i
+        for i in usable(proposals, barred)
+        if any(instance.effect.changes_machine for instance in proposals[i].instances)
+    }
+    by_tangents = this_round.selection.selected.total + RULE.undecided
+    if this_round.residual.weight(this_round.system.samples) <= by_tangents:
+        return this_round
+    if leaves_only_noise(this_round.system, this_round.model, base_model.noise):
+        return this_round
+    best = this_round
+    for k in machines.intersection(chosen):
+        rest = [c for c in chosen if c != k]
+        for i in sorted(machines.difference(chosen)):
+            there = _converged(base_model, with_set(this_round, sorted((*rest, i))))
+            if _better(there, best):
+                best = there
+    return best
 
 
 def _converged(base_model: BaseModel, this_round: Round) -> Round:

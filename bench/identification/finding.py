@@ -22,6 +22,7 @@ class Code(StrEnum):
     POSITION_REVERSED = auto()
     POSITIONS_SWAPPED = auto()
     OTHER_LOAD = auto()
+    LOADS_EXCHANGED = auto()
     LOAD_UNDECLARED = auto()
     PAYLOAD_HEAVY = auto()
     NOT_REAL = auto()
@@ -124,6 +125,7 @@ CAUSES = frozenset(
         Code.POSITION_REVERSED,
         Code.POSITIONS_SWAPPED,
         Code.OTHER_LOAD,
+        Code.LOADS_EXCHANGED,
         Code.LOAD_UNDECLARED,
         Code.PAYLOAD_HEAVY,
         Code.CLOSURE_CONTRADICTED,
@@ -132,8 +134,10 @@ CAUSES = frozenset(
 )
 """Errors of the data or the robot that make a diagnosis name false effects."""
 
-WRONG_COLUMNS = frozenset({Code.CURRENT_REVERSED, Code.POSITION_REVERSED, Code.POSITIONS_SWAPPED})
-"""Of columns that make every statement of a diagnosis wrong."""
+WRONG_DATA = frozenset(
+    {Code.CURRENT_REVERSED, Code.POSITION_REVERSED, Code.POSITIONS_SWAPPED, Code.LOADS_EXCHANGED}
+)
+"""Of columns and loads that make every statement of a diagnosis wrong."""
 
 BY_MISSING_EFFECTS = frozenset(
     {Code.GAIN_NOT_DETERMINED, Code.GAIN_RUNAWAY, Code.GAIN_NEGATIVE, Code.PARAMETER_WITHOUT_DEVIATION}

@@ -94,6 +94,19 @@ def _other_load(finding: Finding) -> str:
     )
 
 
+def _loads_exchanged(finding: Finding) -> str:
+    payload, other = finding.names
+    pair = (
+        f"the payloads {payload} and {other}"
+        if other
+        else f"the recordings with and without the payload {payload}"
+    )
+    return (
+        f"All drive gains come out negative although the currents supply power: {pair} are probably exchanged. Correct "
+        "the `payload` of each recording in dataset.toml."
+    )
+
+
 def _heavy(finding: Finding) -> str:
     asked = HeavyPayload(finding.names[0], finding.numbers["mass"], finding.numbers["own"]).words
     meant = 'if it is right, write `accept = ["mass"]` under the file of each recording with this payload'
@@ -206,7 +219,7 @@ def _current_reversed(finding: Finding) -> str:
     again = "that log" if recordings else "the logs"
     return (
         f"The sign of current.{joint}{where} is probably reversed: with the other sign {_falls(finding)}. "
-        f"Import {again} again with `--scale current.{joint}=-1`."
+        f"Import {again} again with `--scale current.{joint}=-1 --replace`."
     )
 
 
@@ -216,7 +229,7 @@ def _position_reversed(finding: Finding) -> str:
     option = f" --scale current.{joint}=-1" if finding.numbers["current"] else ""
     return (
         f"The sign of position.{joint}{also} is probably reversed: with the other sign {_falls(finding)}. Import the "
-        f"logs again with `--scale position.{joint}=-1{option}`."
+        f"logs again with `--scale position.{joint}=-1{option} --replace`."
     )
 
 
@@ -264,6 +277,7 @@ WORDS: Mapping[Code, str | Callable[[Finding], str]] = {
     "`--scale time={factor:.4g}`.",
     Code.COLUMNS_SWAPPED: _swapped,
     Code.OTHER_LOAD: _other_load,
+    Code.LOADS_EXCHANGED: _loads_exchanged,
     Code.LOAD_UNDECLARED: "{names[0]} probably carries a load that is not declared: with a payload of about {mass:.2g} "
     "kg in it the error falls from {before:%} to {after:%} (nominal gains, friction in the model). Weigh the load, and "
     "declare it as `payload` of that recording in dataset.toml.",

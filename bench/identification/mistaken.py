@@ -11,13 +11,13 @@ from bench.basics.errors import BenchError
 from bench.basics.joint_units import drive_unit
 from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
-from bench.identification.finding import NEGATIVE, WRONG_COLUMNS, Code, Finding
+from bench.identification.finding import NEGATIVE, WRONG_DATA, Code, Finding
 from bench.identification.finding_words import sentence
 from bench.identification.other_loads import other_load, undeclared_load
 from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, Identification
-from bench.identification.reversed_columns import reversed_currents, reversed_positions
+from bench.identification.reversed_columns import exchanged_loads, reversed_currents, reversed_positions
 from bench.identification.swapped_columns import (
     ColumnsTrial,
     rigid_equations,
@@ -48,6 +48,8 @@ def mistaken(
     trial = ColumnsTrial(prepared)
     reversed_ = reversed_currents(result, trial, deadline)
     if reversed_:
+        if len(reversed_) == len(result.joints) and (exchanged := exchanged_loads(problem, result)):
+            return (*heavy, *exchanged)
         left = min(finding.numbers["after"] for finding in reversed_)
         better = reversed_positions(problem, result, trial, deadline, other=left)
         return (*heavy, *(better or reversed_))
@@ -102,12 +104,12 @@ def _sizes(series: CurrentSeries) -> np.ndarray:
 
 
 def refuse_signs(folder: Path, causes: Sequence[Finding], before: Identification) -> None:
-    """Raise BenchError for a column with the wrong sign or joint, before a search.
+    """Raise BenchError for a column with the wrong sign or joint, or exchanged loads, before a search.
 
     A negative gain of the starting model counts if that model explains the currents: otherwise a missing effect may
     have made it negative.
     """
-    wrong = [finding for finding in causes if finding.code in WRONG_COLUMNS]
+    wrong = [finding for finding in causes if finding.code in WRONG_DATA]
     error = before.error.identify
     if error is not None and error < TOLERANCES.findings.large_error:
         wrong += [finding for finding in before.findings if finding.code in NEGATIVE]

@@ -57,9 +57,9 @@ class CaseJournal(Journal):
         super().__init__(path, cells.size)
         self.tally = Tally(cells, self.rows())
 
-    def append(self, rows: Sequence[Row]) -> None:
+    def save_rows(self, rows: Sequence[Row]) -> None:
         """Append rows, and count them."""
-        super().append(rows)
+        super().save_rows(rows)
         for row in rows:
             self.tally.note(row)
 

@@ -40,7 +40,7 @@ class Journal:
     def __contains__(self, number: int) -> bool:
         return self._starts[number] >= 0
 
-    def append(self, rows: Sequence[Row]) -> None:
+    def save_rows(self, rows: Sequence[Row]) -> None:
         """Append rows. After this returns, a kill cannot lose them. Raises OSError if the disk is full."""
         for row in rows:
             line = json.dumps(row, separators=(",", ":")).encode() + b"\n"

@@ -141,7 +141,7 @@ class Driver:
         def take(outcome: Outcome) -> None:
             self._running -= 1
             if outcome.fault is None:
-                self._journal.append(outcome.value)
+                self._journal.save_rows(outcome.value)
             elif len(runs) > 1:  # one of them fails: run each alone
                 for run in runs:
                     self._submit_runs((run,), design, motion)
@@ -157,7 +157,7 @@ class Driver:
         self._next += 1
 
     def _fail(self, runs: tuple[Run, ...], reason: str) -> bool:
-        self._journal.append([self._work.failed(run, reason) for run in runs])
+        self._journal.save_rows([self._work.failed(run, reason) for run in runs])
         return True
 
     def _take_common(self, results: Commons, name: str, outcome: Outcome) -> None:
