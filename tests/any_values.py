@@ -108,6 +108,7 @@ _CARRIES = {  # names, numbers, whether it is of unknowns
         "before after",
         False,
     ),
+    Code.GAINS_ASSUMED_EQUAL: (_ONE, "drift move", False),
     Code.LOADS_EXCHANGED: (st.tuples(names, st.just("") | names), "", False),
     Code.PAYLOAD_HEAVY: (_ONE, "mass own", False),
     Code.NOT_REAL: (_ONE, "distance expected", False),

@@ -80,7 +80,7 @@ def test_exchanged_loads_are_told_from_reversed_signs_of_all_currents(lacking):
     wrong = exchanged(lacking)
     (finding,) = mistaken(problem_of(wrong), identify(prepare(problem_of(wrong))))
     assert finding.code is Code.LOADS_EXCHANGED
-    with pytest.raises(BenchError, match="with and without the payload .* are probably exchanged"):
+    with pytest.raises(BenchError, match="are probably exchanged"):
         diagnose(wrong)
     wrong = turned(lacking, [-1.0, -1.0])
     findings = mistaken(problem_of(wrong), identify(prepare(problem_of(wrong))))

@@ -65,6 +65,7 @@ class Code(StrEnum):
     MOUNTED_OTHERWISE = auto()
     PAYLOAD_IMPOSSIBLE = auto()
     PAYLOAD_TAKEN_AS_POINT = auto()
+    GAINS_ASSUMED_EQUAL = auto()
     # what was asked for
     PHYSICAL = auto()
     VELOCITY_TAKEN = auto()

@@ -339,6 +339,9 @@ WORDS: Mapping[Code, str | Callable[[Finding], str]] = {
     "payload is not as declared.",
     Code.GAINS_NEGATIVE: "All estimated drive gains are negative, which is impossible: the recordings with and "
     "without payload are probably swapped in dataset.toml, or the sign of the currents is reversed.",
+    Code.GAINS_ASSUMED_EQUAL: "The gain of each drive is assumed to be the same with and without payload. A gain "
+    "{drift:%} lower with payload, as of magnets 1 K warmer, would move the estimate for {names[0]} by {move:%}, which "
+    "is more than its standard error. Record both in turn, at the same temperature.",
     Code.CLOSURE_CONTRADICTED: "The position of {names[0]} from the loop closures differs from its encoder by "
     "{difference:.2g} {unit} RMS in {names[1]}, {mean:+.2g} {unit} on average, for a travel of {travel:.2g} {unit}. "
     "The zero or the sign of an encoder, a column or a length is wrong.",

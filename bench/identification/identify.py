@@ -13,6 +13,7 @@ from bench.identification.column_errors import column_errors
 from bench.identification.compressed import Stack, stack_observations
 from bench.identification.errors_in_variables import with_errors_in_variables_checked
 from bench.identification.estimators import DEFAULT_METHOD, Request, solve
+from bench.identification.gain_stability import hangs_on_equal_gains
 from bench.identification.identifiability_of_effects import (
     essential_columns,
     expanded,
@@ -67,8 +68,11 @@ def fit(
     prepared, solution, kept = solved.prepared, solved.solution, solved.kept
     shaped, extended = with_shape_columns(prepared, solved.stack, solution, kept)
     spread = uncertainty(shaped, extended, deviations)
+    about = solution
     solution, spread = expanded(solution, spread, kept, prepared.layout.size)
     result = summarise(prepared, method, solution, spread, deviations, kept, solved.outside)
+    equal = hangs_on_equal_gains(prepared, solved.stack, about, result.drive_gains)
+    result = replace(result, findings=(*result.findings, *equal))
     if solution.row_weights is None:
         return result
     bad = bad_stretches(prepared.fitted, solution.row_weights, prepared.dataset.robot.joints)

@@ -292,6 +292,7 @@ class FindingBounds:
     # times the noise floor: with a larger error the names of effects may be wrong
     remaining_noise: float = 10.0
     best_error: float = 0.01  # relative error of the best models of real machines, however low the noise
+    gain_drift: float = 1e-3  # share of a drive gain by a kelvin: remanence of magnets of neodymium
     gain_change: float = 0.005  # share of a drive gain that is reported as a change
 
 
