@@ -48,3 +48,29 @@ def test_a_joint_that_moves_like_no_other_is_named_alone() -> None:
     assert verdict.actuators == ("left_elbow",)
     assert verdict.alike == {}
     assert not any("could also be at" in sentence for sentence in summary_sentences(answer))
+
+
+def test_which_of_two_payloads_was_weighed_wrongly_is_open_and_the_gains_cover_both() -> None:
+    """Their masses fix the gains by their ratio alone: a lighter one of them is a heavier other one."""
+    wrong = {"mass": 2.0, "center_of_mass": [0.01, 0.0, 0.05], "inertia": [4e-3, 4e-3, 5e-3, 0, 0, 0]}
+    declared = {"mass": 1.94, "center_of_mass": [0.01, 0.0, 0.05]}
+    loads = {"unloaded": None, "loaded": "block", "loaded2": "lump"}
+    recordings = [
+        {"name": name, "use": "identify", "design": {"seed": seed}} | ({"payload": load} if load else {})
+        for seed, (name, load) in enumerate(loads.items(), 1)
+    ]
+    changes = {
+        "design": {"optimise": False, "duration": 6.0},
+        "payloads": {"lump": wrong | {"declared": declared}},
+        "recordings": recordings,
+    }
+    simulation = simulate(load_scenario("delta", changes))
+    answer = diagnose(as_dataset(simulation), discover=False)
+    (verdict,) = (each for each in answer.ranking if each.effect == "payload_mass_error")
+    assert verdict.effect in answer.missing
+    assert {*verdict.alike, *(other for others in verdict.alike.values() for other in others)} == {
+        "block",
+        "lump",
+    }
+    for gain, true in zip(answer.after.drive_gains.values(), simulation.machine.true_gains, strict=True):
+        assert abs(gain.value - true) < 1.5 * gain.std

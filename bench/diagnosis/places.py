@@ -1,7 +1,7 @@
 """Where an identified effect acts: the probability of each place, and other places that are as good."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import expit
@@ -15,6 +15,7 @@ from bench.effects.select import at_joint
 from bench.identification.decision import RULE
 from bench.identification.identify import fit
 from bench.identification.prepare import Prepared, with_effects
+from bench.identification.result import Identification
 
 Places = Mapping[str, Sequence[str]]
 """Names of effects -> places of each."""
@@ -67,13 +68,21 @@ def _at(candidate: Candidate, places: Collection[str]) -> Candidate:
     return Candidate(instances, candidate.columns[columns], candidate.lengths[columns])
 
 
-AT_MOTORS = ("actuator", "robot", "payload")  # each has separate equations, or there is only one place
+AT_MOTORS = ("actuator", "robot")  # each has separate equations, or there is only one place
 
 
-def alike_places(
-    model: Prepared, identified: Sequence[EffectInstance], samples: Samples
-) -> Mapping[str, Mapping[str, tuple[str, ...]]]:
-    """For every effect, by name, and each of its places: other places at which the model is hardly less probable.
+@dataclass(frozen=True)
+class AlikePlaces:
+    """For every effect, by name, and each of its places: others at which the model is hardly less probable; answers: of
+    the models with the effect there.
+    """
+
+    places: Mapping[str, Mapping[str, tuple[str, ...]]]
+    answers: tuple[Identification, ...]
+
+
+def alike_places(model: Prepared, identified: Sequence[EffectInstance], samples: Samples) -> AlikePlaces:
+    """Other places of a model's effects that the data do not distinguish from theirs.
 
     identified: effects of the model. Those at motors are omitted: each motor has a separate current.
     """
@@ -81,25 +90,33 @@ def alike_places(
     there = {instance.seat for instance in model.effects}
     least = residual_squares(model, 0.0).weight(samples) - RULE.undecided
     by_effect: dict[str, dict[str, tuple[str, ...]]] = {}
+    answers: list[Identification] = []
     for instance in identified:
         effect = instance.effect
         if effect.place in AT_MOTORS or instance.recording:
             continue
-        others = [
-            joint
+        moved = {
+            joint: _as_probable(model, instance, joint, samples, least)
             for joint in places.where(effect)
-            if (effect.name, joint) not in there and _as_probable(model, instance, joint, samples, least)
-        ]
-        if others:
-            by_effect.setdefault(effect.name, {})[instance.joint] = tuple(others)
-    return by_effect
+            if (effect.name, joint) not in there
+        }
+        alike = {joint: answer for joint, answer in moved.items() if answer is not None}
+        if alike:
+            by_effect.setdefault(effect.name, {})[instance.joint] = tuple(alike)
+            answers += alike.values()
+    return AlikePlaces(by_effect, tuple(answers))
 
 
 def _as_probable(
     model: Prepared, instance: EffectInstance, joint: str, samples: Samples, least: float
-) -> bool:
-    """Whether the model with an effect moved to another place has this weight, and possible signs there."""
+) -> Identification | None:
+    """The answer of the model with an effect moved to another place; None if it has not this weight, or an impossible
+    sign there.
+    """
     moved = at_joint(instance.effect, joint)
     effects = [moved if each == instance else each for each in model.effects]
     there = with_effects(model, effects)
-    return residual_squares(there, 0.0).weight(samples) > least and not wrong_signs(fit(there), moved)
+    if residual_squares(there, 0.0).weight(samples) <= least:
+        return None
+    answer = fit(there)
+    return None if wrong_signs(answer, moved) else answer
