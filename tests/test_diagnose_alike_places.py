@@ -72,5 +72,7 @@ def test_which_of_two_payloads_was_weighed_wrongly_is_open_and_the_gains_cover_b
         "block",
         "lump",
     }
-    for gain, true in zip(answer.after.drive_gains.values(), simulation.machine.drive.true_gains, strict=True):
+    for gain, true in zip(
+        answer.after.drive_gains.values(), simulation.machine.drive.true_gains, strict=True
+    ):
         assert abs(gain.value - true) < 1.5 * gain.std

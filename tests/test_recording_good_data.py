@@ -185,3 +185,13 @@ def test_what_the_user_has_looked_at_is_accepted(tmp_path: Path) -> None:
     write_recording(folder / CSV, time_stamps(), position, current, JOINTS)
     edit(folder / "dataset.toml", 'use = "identify"', 'use = "identify"\naccept = ["saturated"]')
     assert np.array_equal(load_dataset(folder).recordings[0].current, current)
+
+
+def test_radians_that_were_taken_for_degrees_are_seen_by_the_home_position():
+    bent = JointFacts("hip", "hinge", None, None, 2.2, in_loop=True)
+    motion = bent.home + profile("quintic", np.arange(0.0, 4.0, 1e-3), 1.0, 0.2, 0.4)
+    assert find(Channel(motion, 1e-3, bent)) == []
+    assert find(Channel(0.05 * motion / motion.max() + 1.0, 1e-3, bent)) == []
+    (fault,) = find(Channel(np.deg2rad(motion), 1e-3, bent))
+    assert fault.check == "units"
+    assert "looks 57.3 times too small for radians: at most 0.0454, home is 2.2" in fault.what

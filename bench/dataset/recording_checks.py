@@ -33,6 +33,7 @@ LARGER: Mapping[str, tuple[tuple[float, str, Remedy], ...]] = {
 """Units that a position may be in by mistake, likeliest first: number of them in one SI unit, name, remedy."""
 SMALLER = {"hinge": (DEGREES, MILLI), "slide": (MILLI,)}
 """Factors by which a position is too small if it was scaled although it was in SI."""
+TENTH = 10.0  # of the home position, below which positions are suspiciously small
 FULL_TURN = 2.0 * np.pi
 LIMIT_SLACK = 0.05  # of a joint's range: stops are elastic, and an encoder's zero may be slightly off
 FASTEST = {"hinge": 30.0, "slide": 20.0}  # rad/s, m/s: more is suspicious for a joint without a range
@@ -102,9 +103,11 @@ def position_units(channel: Channel) -> Fault | None:
     if joint.lower is None or joint.upper is None:
         factor, wrong, remedy = LARGER[joint.kind][0]
         suspicious, why = _far_without_range(joint, values, channel.step, factor)
-        if joint.geared or not suspicious:
+        if joint.geared:
             return None
-        return Fault("units", None, f"looks like {wrong}, {right} are expected: {why}", remedy)
+        if suspicious:
+            return Fault("units", None, f"looks like {wrong}, {right} are expected: {why}", remedy)
+        return _too_small_for_home(joint, values, right)
     span = joint.upper - joint.lower
     outside = np.maximum(joint.lower - values, values - joint.upper)
     why = f"up to {outside.max():.4g} outside of [{joint.lower:g}, {joint.upper:g}]"
@@ -113,8 +116,7 @@ def position_units(channel: Channel) -> Fault | None:
             return Fault("units", None, f"looks like {wrong}, {right} are expected: {why}", remedy)
     for factor in SMALLER[joint.kind]:
         if outside.min() > LIMIT_SLACK * span and _fits(values * factor, joint.lower, joint.upper):
-            what = f"looks {factor:.4g} times too small for {right}: {why} (is it in {right} already, and scaled?)"
-            return Fault("units", None, what)
+            return _too_small(factor, right, why)
     return None
 
 
@@ -122,6 +124,21 @@ def _fits(values: Array, lower: float, upper: float) -> bool:
     """Whether positions lie in a range extended by a tenth of its width at both ends."""
     slack = 0.1 * (upper - lower)
     return bool(lower - slack <= values.min() and values.max() <= upper + slack)
+
+
+def _too_small_for_home(joint: JointFacts, values: Array, right: str) -> Fault | None:
+    """Positions far below the home position that contain it, or nearly, once multiplied."""
+    for factor in SMALLER[joint.kind]:
+        low, high = factor * values.min(), factor * values.max()
+        travel = high - low
+        if np.abs(values).max() < abs(joint.home) / TENTH and low - travel <= joint.home <= high + travel:
+            return _too_small(factor, right, f"at most {np.abs(values).max():.3g}, home is {joint.home:.3g}")
+    return None
+
+
+def _too_small(factor: float, right: str, why: str) -> Fault:
+    what = f"looks {factor:.4g} times too small for {right}: {why} (is it in {right} already, and scaled?)"
+    return Fault("units", None, what)
 
 
 def _far_without_range(joint: JointFacts, values: Array, step: float, factor: float) -> tuple[bool, str]:

@@ -10,6 +10,7 @@ from bench.basics.errors import BenchError
 from bench.basics.joint_units import joint_units
 from bench.dataset.recording import Recording, position_column, velocity_column
 from bench.effects.row_cache import KeptRows
+from bench.identification.closes_otherwise import closes_otherwise
 from bench.identification.decision import RULE
 from bench.identification.finding import Code, Finding
 from bench.identification.standstill import Gaps, no_gaps, standstills
@@ -113,7 +114,8 @@ def measure(model: IdentificationModel, recording: Recording, settings: FilterSe
     try:
         tree, passive = _closed(model.geometry, track)
     except BenchError as error:
-        raise of_recording(recording.name, error) from None
+        otherwise = closes_otherwise(model.geometry, *track)
+        raise of_recording(recording.name, type(error)(f"{error}{otherwise}")) from None
     return Measured(
         recording=recording,
         settings=settings,
