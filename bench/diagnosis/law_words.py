@@ -111,11 +111,17 @@ def _goes_by(look: LooksAt) -> str:
 
 def _valued(law: Discovered, *, with_place: bool) -> str:
     parts = " + ".join(
-        f"({_number(term.value, term.std)}) {symbols(term.unit)}"
+        f"({_coefficient(term, law)}) {symbols(term.unit)}"
         + ("" if term.term == "1" else f" · {symbols(term.term)}")
         for term in law.terms
     )
     return f"{parts} at {law.place}" if with_place else parts
+
+
+def _coefficient(term: LawTerm, law: Discovered) -> str:
+    """A value with its standard error, unless that is larger than all values of this unit."""
+    largest = max(abs(other.value) for other in law.terms if other.unit == term.unit)
+    return "not determined" if term.std > largest else _number(term.value, term.std)
 
 
 def _number(value: float, std: float) -> str:

@@ -56,8 +56,8 @@ def _not_determined(finding: Finding) -> str:
     )
     if "times" in finding.numbers:
         return (
-            f"{said} The error is {finding.numbers['times']:.3g} times that of noise, so the model lacks an effect: "
-            "`bench diagnose` first."
+            f"{said} The error is at least {finding.numbers['times']:.3g} times that of noise, so the model lacks an "
+            "effect: `bench diagnose` first."
         )
     return f"{said} Declare more of the payload, or record one that loads the motor more."
 
