@@ -8,6 +8,7 @@ import numpy as np
 from bench.effects.select import parameter_slices
 from bench.identification.prepare import Prepared
 from bench.identification.result import CurrentSeries, Identification
+from bench.identification.tolerances import TOLERANCES
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,4 +43,5 @@ def sizes_of(model: Prepared, result: Identification, effect: str) -> dict[str, 
     if total is None:
         return {}
     rms = np.sqrt((total**2).mean(axis=0))
-    return {joint: float(value) for joint, value in zip(joints, rms, strict=True) if value > 0}
+    least = TOLERANCES.rank.torque * rms.max()
+    return {joint: float(value) for joint, value in zip(joints, rms, strict=True) if value > least}
