@@ -94,6 +94,17 @@ def test_an_effect_that_is_not_sure_is_undecided() -> None:
     assert with_probability(told, 0.6, alone, ("lag", "spring")).verdict == "missing"
 
 
+def test_where_sets_with_neither_an_effect_nor_its_alternatives_are_probable_it_only_resembles() -> None:
+    told = EffectVerdict(
+        "length", "indistinguishable", 0.2, 0.19, 50.0, ("",), ("zero",), {}, Reason(Because.EXPLAINS)
+    )
+    nothing = (ProbableSet((), 0.99, 0.2), ProbableSet(("length",), 0.01, 0.19))
+    verdict = with_probability(told, 0.01, nothing, ("length",))
+    assert (verdict.verdict, verdict.alternatives) == ("resembles", ())
+    either = (ProbableSet(("zero",), 0.99, 0.2), ProbableSet(("length",), 0.01, 0.19))
+    assert with_probability(told, 0.01, either, ("length",)).alternatives == ("zero",)
+
+
 def test_another_effect_that_is_not_improbable_is_undecided() -> None:
     why = Reason(Because.GAINS_LITTLE)
     told = EffectVerdict("delay", "not supported", 0.1, 0.1, 5.0, (), (), {}, why)

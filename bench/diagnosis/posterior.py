@@ -93,8 +93,8 @@ def with_probability(
     """The verdict with its probability, undecided if sets with and without the effect are probable.
 
     An uncertain effect of the answer is indistinguishable from effects that leading sets without it have instead; if
-    these have none, and it is less probable than not, or if sets with neither are more probable, it only resembles what
-    is missing. Another effect that is not improbable is indistinguishable from those that the leading set with it lacks.
+    these have none and it is less probable than not, or sets with neither are more probable, it only resembles what is
+    missing. Another effect that is not improbable is indistinguishable from those that the leading set with it lacks.
     reported: names of all effects of the answer.
     """
     verdict = replace(verdict, probability=probability)
@@ -106,7 +106,7 @@ def with_probability(
         names = (*verdict.alternatives, *(name for effects in without for name in effects))
         others = tuple(dict.fromkeys(name for name in names if name not in reported))
         neither = sum(each.probability for each in sets if not {verdict.effect, *others} & {*each.effects})
-        if neither > RULE.even:
+        if others and neither > RULE.even:
             return replace(verdict, verdict="resembles", alternatives=())
         if others:
             return replace(verdict, verdict="indistinguishable", alternatives=others)

@@ -15,7 +15,13 @@ from bench.diagnosis.dependence_words import (
     usual_sentence,
 )
 from bench.diagnosis.law_words import law_sentences
-from bench.diagnosis.reason_words import less_probable, reason_sentence, unexplained_words, validated_on
+from bench.diagnosis.reason_words import (
+    less_probable,
+    probability_text,
+    reason_sentence,
+    unexplained_words,
+    validated_on,
+)
 from bench.diagnosis.result import Diagnosis, EffectVerdict, Remainder, Unfinished
 from bench.effects.display_names import spoken, telling_motions
 from bench.identification.decision import RULE, deciding_by
@@ -251,11 +257,13 @@ def _superfluous(diagnosis: Diagnosis) -> str:
 
 
 def _named(diagnosis: Diagnosis, verdict: EffectVerdict) -> str:
-    """An effect, where it acts, and its alternatives."""
+    """An effect, where it acts, and its alternatives, or without any its probability if it is not certain."""
     instead = (
         f" (or {or_list([spoken(name) for name in verdict.alternatives])})" if verdict.alternatives else ""
     )
-    return f"{spoken(verdict.effect)}{where(diagnosis, verdict)}{instead}"
+    known = 1.0 if verdict.probability is None or instead else verdict.probability
+    doubt = f" (probability {probability_text(known)})" if known < RULE.sure else ""
+    return f"{spoken(verdict.effect)}{where(diagnosis, verdict)}{instead}{doubt}"
 
 
 def _cannot_tell(verdict: EffectVerdict, missing: Sequence[EffectVerdict]) -> str:
