@@ -36,7 +36,9 @@ if TYPE_CHECKING:
 @effect_file_option
 @filter_options
 @json_option
-@output_option("Folder for report and figures: the currents, and a page of errors for every motor.")
+@output_option(
+    "Folder for report and figures of one model: the currents, and a page of errors for every motor."
+)
 def compare(
     dataset: Path,
     model_files: tuple[Path, ...],
