@@ -339,7 +339,7 @@ WORDS: Mapping[Code, str | Callable[[Finding], str]] = {
     Code.GAIN_FAR: f"{GAIN}, far from its nominal {{nominal:.3g}}: a physical effect is missing in the model, or the "
     "payload is not as declared.",
     Code.GAINS_NEGATIVE: "All estimated drive gains are negative, which is impossible. If no other note gives the "
-    "cause, the recordings with and without payload are swapped in dataset.toml, or the sign of the currents is reversed.",
+    "cause, the recordings with and without payload are swapped in dataset.toml, or currents have the wrong sign.",
     Code.GAINS_ASSUMED_EQUAL: "The gain of each drive is assumed to be the same with and without payload. A gain "
     "{drift:%} lower with payload, as of magnets 1 K warmer, would move the estimate for {names[0]} by {move:%}, which "
     "is more than its standard error. Record both in turn, at the same temperature.",
