@@ -10,6 +10,7 @@ from bench.diagnosis.summary import moved_gain, named_effects, summary_of
 from bench.document.numbers import gain_change, pretty_unit
 from bench.document.typeset import effect_name, share, short, typeset
 from bench.export.replay.replay import Replay
+from bench.identification.finding import Code
 from bench.identification.finding_words import note, sentence
 from bench.identification.findings import runaway
 from bench.identification.result import DriveGain, ErrorSummary, Identification, relative_error
@@ -81,7 +82,7 @@ def _known_gains(result: Identification, gains: Mapping[str, DriveGain]) -> str:
         loosest = max(gain.relative_std for gain in gains.values())
         return (
             f"Drive gains, with their change from the nominal value: {gains_listed(result, gains)}; all are "
-            f"known to ±{share(WITHIN_95 * loosest)} or better (95 %)."
+            f"known to ±{share(WITHIN_95 * loosest)} or better (95 %){_assumed(result)}."
         )
     far = max(gains, key=lambda name: abs(gain_change(gains[name])))
     loose = max(gains, key=lambda name: gains[name].relative_std)
@@ -91,7 +92,13 @@ def _known_gains(result: Identification, gains: Mapping[str, DriveGain]) -> str:
     if len(gains) > 1:
         much += ", farther than any other"
     known = share(WITHIN_95 * gains[loose].relative_std)
-    return f"{much}; {'all are' if len(gains) > 1 else 'it is'} known to ±{known} or better (95 %)."
+    return f"{much}; {'all are' if len(gains) > 1 else 'it is'} known to ±{known} or better (95 %){_assumed(result)}."
+
+
+def _assumed(result: Identification) -> str:
+    """The assumption on which gains depend by more than their standard errors, if they do."""
+    assumed = any(finding.code is Code.GAINS_ASSUMED_EQUAL for finding in result.findings)
+    return ", if they are the same with and without payload" if assumed else ""
 
 
 def gains_listed(result: Identification, joints: Collection[str]) -> str:
