@@ -33,7 +33,7 @@ LARGER: Mapping[str, tuple[tuple[float, str, Remedy], ...]] = {
 """Units that a position may be in by mistake, likeliest first: number of them in one SI unit, name, remedy."""
 SMALLER = {"hinge": (DEGREES, MILLI), "slide": (MILLI,)}
 """Factors by which a position is too small if it was scaled although it was in SI."""
-TENTH = 10.0  # of the home position, below which positions are suspiciously small
+FAR_BELOW = 10.0  # times a position, which is suspiciously small if home is farther
 FULL_TURN = 2.0 * np.pi
 LIMIT_SLACK = 0.05  # of a joint's range: stops are elastic, and an encoder's zero may be slightly off
 FASTEST = {"hinge": 30.0, "slide": 20.0}  # rad/s, m/s: more is suspicious for a joint without a range
@@ -131,7 +131,7 @@ def _too_small_for_home(joint: JointFacts, values: Array, right: str) -> Fault |
     for factor in SMALLER[joint.kind]:
         low, high = factor * values.min(), factor * values.max()
         travel = high - low
-        if np.abs(values).max() < abs(joint.home) / TENTH and low - travel <= joint.home <= high + travel:
+        if np.abs(values).max() < abs(joint.home) / FAR_BELOW and low - travel <= joint.home <= high + travel:
             return _too_small(factor, right, f"at most {np.abs(values).max():.3g}, home is {joint.home:.3g}")
     return None
 

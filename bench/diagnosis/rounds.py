@@ -183,7 +183,7 @@ def _best_machine(base_model: BaseModel, this_round: Round, barred: Collection[s
     if leaves_only_noise(this_round.system, this_round.model, base_model.noise):
         return this_round
     best = this_round
-    for k in machines.intersection(chosen):
+    for k in sorted(machines.intersection(chosen)):
         rest = [c for c in chosen if c != k]
         for i in sorted(machines.difference(chosen)):
             there = _converged(base_model, with_set(this_round, sorted((*rest, i))))

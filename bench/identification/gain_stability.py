@@ -8,11 +8,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from bench.identification.bilinear import least
 from bench.identification.compressed import Stack
 from bench.identification.finding import Code, Finding
 from bench.identification.prepare import Prepared
 from bench.identification.result import DriveGain
 from bench.identification.solution import Solution
+from bench.identification.standard_errors import by_unknowns
 from bench.identification.tolerances import TOLERANCES
 
 
@@ -41,32 +43,17 @@ def hangs_on_equal_gains(
 def moved_by_currents(stack: Stack, solution: Solution, rows: np.ndarray) -> np.ndarray:
     """Relative change (n,) of the drive gains by a relative change of all currents in some rows (M,) of the stack.
 
-    To first order, by the normal equations in the current domain; zero for gains that are not fitted.
+    To first order, by the normal equations of the estimator; zero for gains that are not fitted.
     """
-    gains, weights, size = solution.gains, solution.weights, len(solution.theta)
-    fitted = np.flatnonzero(np.broadcast_to(solution.gains_fitted, gains.shape))
-    unknown = np.append(solution.theta, 1.0)  # of [phi, kappa]
-    if solution.domain == "torque":
-        weights = weights * gains
-    by_rows, right = [], np.zeros(size + len(gains))
-    for j, gain in enumerate(gains):
-        current = stack.current[rows, j] * stack.moving[rows, j]
-        torque = stack.phi[rows, j] @ solution.theta + stack.kappa[rows, j]
-        right[:size] += weights[j] ** 2 / gain * (current @ stack.phi[rows, j])
-        right[size + j] = -(weights[j] ** 2) / gain**2 * (current @ torque)
-        model = stack.factors[j, :, : size + 1]
-        derivatives = np.zeros((len(model), size + len(gains)))
-        derivatives[:, :size] = model[:, :size] / gain
-        derivatives[:, size + j] = -(model @ unknown) / gain**2
-        by_rows.append(weights[j] * derivatives)
-    kept = np.append(np.arange(size), size + fitted)
-    system = np.concatenate(by_rows)[:, kept]
-    scale = np.linalg.norm(system, axis=0)
-    scale[scale == 0.0] = 1.0
-    values, directions = np.linalg.eigh((system / scale).T @ (system / scale))
-    determined = values > np.finfo(float).eps * len(values) * values[-1]
-    part = directions[:, determined]
-    step = part @ ((part.T @ (right[kept] / scale)) / values[determined]) / scale
-    moved = np.zeros(len(gains))
-    moved[fitted] = step[size:] / gains[fitted]
-    return moved
+    size, right, system = len(solution.theta), [], []
+    for j, (gain, weight) in enumerate(zip(solution.gains, solution.weights, strict=True)):
+        current = stack.current[:, j] * (rows & stack.moving[:, j])
+        known = current @ stack.kappa[:, j], current @ stack.current[:, j]
+        along = np.append(current @ stack.phi[:, j], known)[None] * (
+            gain if solution.domain == "torque" else 1.0
+        )
+        right.append(weight**2 * by_unknowns(along, solution, j)[0])
+        system.append(weight * by_unknowns(stack.factors[j], solution, j))
+    derivatives = np.concatenate(system)
+    step = least(derivatives.T @ derivatives, np.sum(right, axis=0))
+    return np.asarray(step[size:] / solution.gains)

@@ -68,10 +68,9 @@ def fit(
     prepared, solution, kept = solved.prepared, solved.solution, solved.kept
     shaped, extended = with_shape_columns(prepared, solved.stack, solution, kept)
     spread = uncertainty(shaped, extended, deviations)
-    about = solution
     solution, spread = expanded(solution, spread, kept, prepared.layout.size)
     result = summarise(prepared, method, solution, spread, deviations, kept, solved.outside)
-    equal = hangs_on_equal_gains(prepared, solved.stack, about, result.drive_gains)
+    equal = hangs_on_equal_gains(prepared, solved.stack, solved.solution, result.drive_gains)
     result = replace(result, findings=(*result.findings, *equal))
     if solution.row_weights is None:
         return result

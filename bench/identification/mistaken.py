@@ -13,11 +13,11 @@ from bench.basics.threads import on_one_thread
 from bench.dataset.dataset import Dataset
 from bench.identification.finding import NEGATIVE, WRONG_DATA, Code, Finding
 from bench.identification.finding_words import sentence
-from bench.identification.other_loads import other_load, undeclared_load
+from bench.identification.other_loads import exchanged_loads, other_load, undeclared_load
 from bench.identification.prepare import Prepared
 from bench.identification.problem import Problem
 from bench.identification.result import CurrentSeries, Identification
-from bench.identification.reversed_columns import exchanged_loads, reversed_currents, reversed_positions
+from bench.identification.reversed_columns import reversed_currents, reversed_positions
 from bench.identification.swapped_columns import (
     ColumnsTrial,
     rigid_equations,

@@ -125,6 +125,22 @@ def other_load(
     return [Finding(Code.OTHER_LOAD, names, numbers=numbers)]
 
 
+def exchanged_loads(problem: Problem, result: Identification) -> list[Finding]:
+    """The two loads of the fitted recordings, if they are exchanged; to be asked where all drive gains are negative.
+
+    With the signs of all currents reversed they are negative, too, and the error is the same. But friction takes power
+    from the motors: if the currents, as logged and with nominal gains, supply power in every fitted recording, their
+    signs are right. Empty if not, or without two loads.
+    """
+    fitted = [series for series in result.recordings if series.use == "identify"]
+    loads = sorted({series.payload or "" for series in fitted}, reverse=True)
+    gains = problem.dataset.robot.nominal_gains
+    supplied = [float(np.mean(series.measured * gains * series.velocity)) for series in fitted]
+    if len(loads) != 2 or min(supplied) <= 0.0:
+        return []
+    return [Finding(Code.LOADS_EXCHANGED, tuple(loads))]
+
+
 def _large(result: Identification) -> bool:
     """Whether some motor's error is large in some recording."""
     motors = range(len(result.joints))

@@ -99,7 +99,7 @@ def uncertainty(stack: Stack, solution: Solution, deviations: Deviations) -> Unc
         stack = solution.instruments(stack)
     triangle = np.concatenate(
         [
-            weight * _by_unknowns(factor, solution, j)
+            weight * by_unknowns(factor, solution, j)
             for j, (factor, weight) in enumerate(zip(stack.factors, solution.weights, strict=True))
         ]
     )
@@ -158,7 +158,7 @@ def _enlarged(covariance: np.ndarray, other: np.ndarray) -> np.ndarray:
     return covariance * np.outer(times, times)
 
 
-def _by_unknowns(rows: np.ndarray, solution: Solution, motor: int) -> np.ndarray:
+def by_unknowns(rows: np.ndarray, solution: Solution, motor: int) -> np.ndarray:
     """A motor's rows (K, p + 2) of [phi, kappa, current] as derivatives (K, P) of its modelled side."""
     p, gain = len(solution.theta), solution.gains[motor]
     columns = np.zeros((len(rows), p + (len(solution.gains) if np.any(solution.gains_fitted) else 0)))
@@ -177,7 +177,7 @@ def _weighted_rows(
 ) -> np.ndarray:
     """The derivatives of a motor's weighted rows by the unknowns seen, each divided by its length."""
     part = (stack.phi[rows, motor], stack.kappa[rows, motor], stack.current[rows, motor])
-    derivatives = _by_unknowns(np.column_stack(part), solution, motor)
+    derivatives = by_unknowns(np.column_stack(part), solution, motor)
     return np.asarray(solution.weights[motor] * derivatives[:, seen] / lengths)
 
 
